@@ -1,0 +1,522 @@
+//! Bodies: the definition a user writes, and the state the engine keeps.
+
+use crate::error::{Error, Result, finite_vector, not_negative, positive};
+use crate::handle::BodyHandle;
+use crate::mass::MassProperties;
+use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal};
+use crate::shape::{Geometry, HUGE_LENGTH, Shape};
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+/// What moves a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum BodyKind {
+    /// Nothing.
+    Fixed,
+    /// Its user: it has a velocity, and infinite mass.
+    Kinematic,
+    /// Forces.
+    Dynamic,
+}
+
+/// Where the mass of a body comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum MassSource {
+    /// The shapes and their densities.
+    Shapes,
+    /// The shapes' form, scaled to this mass, kg.
+    Mass(f32),
+    /// As given.
+    Explicit(MassProperties),
+}
+
+/// The definition of a body.
+///
+/// ```
+/// use ishigaki::{Body, Shape, Vec3};
+/// let brick = Body::dynamic(Shape::cuboid(0.1, 0.05, 0.05)).density(2000.0).at(Vec3::new(0.0, 1.0, 0.0));
+/// assert_eq!(brick.shapes.len(), 1);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Body {
+    /// What moves it.
+    pub kind: BodyKind,
+    /// For people; need not be unique.
+    pub name: String,
+    /// Place of its origin in the world.
+    pub pose: Pose,
+    /// Of the center of mass, m/s.
+    pub velocity: Vec3,
+    /// rad/s, world.
+    pub angular_velocity: Vec3,
+    /// Its form; may be empty if the mass is explicit.
+    pub shapes: Vec<Shape>,
+    /// Where its mass comes from.
+    pub mass: MassSource,
+    /// Multiplies gravity.
+    pub gravity_scale: f32,
+    /// Velocity decays as e^(−damping·t), 1/s.
+    pub linear_damping: f32,
+    /// Angular velocity decays as e^(−damping·t), 1/s.
+    pub angular_damping: f32,
+    /// World axes along which it cannot move.
+    pub locked_translation: [bool; 3],
+    /// World axes about which it cannot turn.
+    pub locked_rotation: [bool; 3],
+    /// Swept when fast, so that it cannot pass through anything.
+    pub continuous: bool,
+    /// May fall asleep.
+    pub can_sleep: bool,
+}
+
+impl Body {
+    /// A body of a kind with one shape, at the origin, at rest.
+    pub fn new(kind: BodyKind, shape: Shape) -> Self {
+        Self { shapes: vec![shape], ..Self::empty(kind) }
+    }
+
+    /// A body without a shape: a sensor rig, a pivot, a mass without form.
+    pub fn empty(kind: BodyKind) -> Self {
+        Self {
+            kind,
+            name: String::new(),
+            pose: Pose::IDENTITY,
+            velocity: Vec3::ZERO,
+            angular_velocity: Vec3::ZERO,
+            shapes: Vec::new(),
+            mass: MassSource::Shapes,
+            gravity_scale: 1.0,
+            linear_damping: 0.0,
+            angular_damping: 0.0,
+            locked_translation: [false; 3],
+            locked_rotation: [false; 3],
+            continuous: false,
+            can_sleep: true,
+        }
+    }
+
+    /// A body that forces move.
+    pub fn dynamic(shape: Shape) -> Self {
+        Self::new(BodyKind::Dynamic, shape)
+    }
+
+    /// A body that nothing moves.
+    pub fn fixed(shape: Shape) -> Self {
+        Self::new(BodyKind::Fixed, shape)
+    }
+
+    /// A body that its user moves.
+    pub fn kinematic(shape: Shape) -> Self {
+        Self::new(BodyKind::Kinematic, shape)
+    }
+
+    /// One more shape.
+    #[must_use]
+    pub fn with(mut self, shape: Shape) -> Self {
+        self.shapes.push(shape);
+        self
+    }
+
+    /// For people; need not be unique.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// Place of the origin, m.
+    #[must_use]
+    pub fn at(mut self, translation: Vec3) -> Self {
+        self.pose.translation = translation;
+        self
+    }
+
+    /// Orientation, a unit quaternion.
+    #[must_use]
+    pub fn rotated(mut self, rotation: Quat) -> Self {
+        self.pose.rotation = rotation;
+        self
+    }
+
+    /// Place and orientation of the origin.
+    #[must_use]
+    pub fn posed(mut self, pose: Pose) -> Self {
+        self.pose = pose;
+        self
+    }
+
+    /// Density of all its shapes, kg/m³.
+    #[must_use]
+    pub fn density(mut self, density: f32) -> Self {
+        for shape in &mut self.shapes {
+            shape.density = density;
+        }
+        self
+    }
+
+    /// Mass in kg; the inertia follows from the shapes' form.
+    #[must_use]
+    pub fn mass(mut self, mass: f32) -> Self {
+        self.mass = MassSource::Mass(mass);
+        self
+    }
+
+    /// Mass, center and inertia as given.
+    #[must_use]
+    pub fn mass_properties(mut self, properties: MassProperties) -> Self {
+        self.mass = MassSource::Explicit(properties);
+        self
+    }
+
+    /// Of the center of mass, m/s.
+    #[must_use]
+    pub fn velocity(mut self, velocity: Vec3) -> Self {
+        self.velocity = velocity;
+        self
+    }
+
+    /// rad/s, world.
+    #[must_use]
+    pub fn angular_velocity(mut self, angular_velocity: Vec3) -> Self {
+        self.angular_velocity = angular_velocity;
+        self
+    }
+
+    /// Multiplies gravity.
+    #[must_use]
+    pub fn gravity_scale(mut self, scale: f32) -> Self {
+        self.gravity_scale = scale;
+        self
+    }
+
+    /// Decay of velocity and angular velocity, 1/s.
+    #[must_use]
+    pub fn damping(mut self, linear: f32, angular: f32) -> Self {
+        self.linear_damping = linear;
+        self.angular_damping = angular;
+        self
+    }
+
+    /// World axes along which it cannot move.
+    #[must_use]
+    pub fn lock_translation(mut self, axes: [bool; 3]) -> Self {
+        self.locked_translation = axes;
+        self
+    }
+
+    /// World axes about which it cannot turn.
+    #[must_use]
+    pub fn lock_rotation(mut self, axes: [bool; 3]) -> Self {
+        self.locked_rotation = axes;
+        self
+    }
+
+    /// Swept when fast, so that it cannot pass through anything.
+    #[must_use]
+    pub fn continuous(mut self) -> Self {
+        self.continuous = true;
+        self
+    }
+
+    /// Never falls asleep.
+    #[must_use]
+    pub fn sleepless(mut self) -> Self {
+        self.can_sleep = false;
+        self
+    }
+
+    /// Friction of all its shapes.
+    #[must_use]
+    pub fn friction(mut self, friction: f32) -> Self {
+        for shape in &mut self.shapes {
+            shape.material.friction = friction;
+        }
+        self
+    }
+
+    /// Restitution of all its shapes.
+    #[must_use]
+    pub fn restitution(mut self, restitution: f32) -> Self {
+        for shape in &mut self.shapes {
+            shape.material.restitution = restitution;
+        }
+        self
+    }
+
+    /// Refuses definitions that make no sense; names the field.
+    ///
+    /// # Errors
+    /// The first field that is not finite, out of its range, or does not fit the kind.
+    pub fn validate(&self) -> Result<()> {
+        finite_vector("position", self.pose.translation)?;
+        if self.pose.translation.abs().max_element() > HUGE_LENGTH {
+            return Err(Error::invalid("position", format!("must be within {HUGE_LENGTH} m of the origin")));
+        }
+        let length = self.pose.rotation.length();
+        if !(length.is_finite() && (length - 1.0).abs() < 1e-3) {
+            return Err(Error::invalid("rotation", format!("must be a unit quaternion, has length {length}")));
+        }
+        finite_vector("velocity", self.velocity)?;
+        finite_vector("angular_velocity", self.angular_velocity)?;
+        if !self.gravity_scale.is_finite() {
+            return Err(Error::invalid("gravity_scale", format!("must be finite, is {}", self.gravity_scale)));
+        }
+        not_negative("linear_damping", self.linear_damping)?;
+        not_negative("angular_damping", self.angular_damping)?;
+        for (i, shape) in self.shapes.iter().enumerate() {
+            let place = format!("shapes[{i}]");
+            shape.validate().map_err(|e| e.within(&place))?;
+            if self.kind == BodyKind::Dynamic && !shape.geometry.is_solid() {
+                return Err(Error::invalid(
+                    place,
+                    "a half-space, triangle mesh or height field has no volume and cannot be dynamic: use a fixed or kinematic body, or convex hulls",
+                ));
+            }
+        }
+        match &self.mass {
+            MassSource::Shapes => Ok(()),
+            MassSource::Mass(mass) => positive("mass", *mass).map(|_| ()),
+            MassSource::Explicit(properties) => properties.validate().map_err(|e| e.within("mass_properties")),
+        }
+    }
+
+    /// The shapes with compounds laid out flat, in a fixed order.
+    pub(crate) fn flat_shapes(&self) -> Vec<Shape> {
+        let mut flat = Vec::with_capacity(self.shapes.len());
+        for shape in &self.shapes {
+            flatten(shape, &mut flat);
+        }
+        flat
+    }
+}
+
+fn flatten(shape: &Shape, out: &mut Vec<Shape>) {
+    if let Geometry::Compound(children) = &shape.geometry {
+        for child in children {
+            let mut child = child.clone();
+            child.pose = shape.pose * child.pose;
+            child.sensor |= shape.sensor;
+            flatten(&child, out);
+        }
+    } else {
+        out.push(shape.clone());
+    }
+}
+
+/// The state of a body in a world.
+///
+/// The center of mass is what moves; the pose of the origin follows from it.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct BodyState {
+    pub(crate) kind: BodyKind,
+    pub(crate) name: Box<str>,
+    /// Center of mass, world, m.
+    pub(crate) center: Vec3,
+    /// world_from_local.
+    pub(crate) rotation: Quat,
+    pub(crate) velocity: Vec3,
+    pub(crate) angular_velocity: Vec3,
+    /// About the center, world, kg·m²/s: the state of the rotation; ω follows from it.
+    pub(crate) angular_momentum: Vec3,
+    pub(crate) mass: MassProperties,
+    pub(crate) inverse_mass: f32,
+    /// About the principal axes, 1/(kg·m²).
+    pub(crate) inverse_principal_inertia: Vec3,
+    /// Sum of user forces for the next step, N, and torques about the center, N·m.
+    pub(crate) force: Vec3,
+    pub(crate) torque: Vec3,
+    pub(crate) gravity_scale: f32,
+    pub(crate) linear_damping: f32,
+    pub(crate) angular_damping: f32,
+    pub(crate) locked_translation: [bool; 3],
+    pub(crate) locked_rotation: [bool; 3],
+    pub(crate) continuous: bool,
+    pub(crate) can_sleep: bool,
+    /// Where a kinematic body shall be at the end of the next step.
+    pub(crate) kinematic_target: Option<Pose>,
+    /// Slots of its shapes in the world.
+    pub(crate) shapes: SmallVec<[u32; 2]>,
+    /// Origin at the start of the last step, for interpolation.
+    pub(crate) previous_pose: Pose,
+    pub(crate) asleep: bool,
+    /// How long it has been slow enough to sleep, s.
+    pub(crate) rest_time: f32,
+    /// How many steps in a row it has been slow enough for aggressive sleep.
+    pub(crate) rest_steps: u32,
+    /// Hops from the ground; [`NO_HEIGHT`] where there is no way down.
+    pub(crate) height: u32,
+    /// Island of the last step, for people and pictures.
+    pub(crate) island: u32,
+}
+
+/// The height of a body that is not carried by the ground.
+pub const NO_HEIGHT: u32 = u32::MAX;
+
+impl BodyState {
+    /// What moves it.
+    pub fn kind(&self) -> BodyKind {
+        self.kind
+    }
+
+    /// The name it was given.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Place of its origin.
+    pub fn pose(&self) -> Pose {
+        Pose::from_parts(self.center - self.rotation * self.mass.center, self.rotation)
+    }
+
+    /// Place of its origin, m.
+    pub fn position(&self) -> Vec3 {
+        self.pose().translation
+    }
+
+    /// world_from_local.
+    pub fn rotation(&self) -> Quat {
+        self.rotation
+    }
+
+    /// Center of mass, world, m.
+    pub fn center(&self) -> Vec3 {
+        self.center
+    }
+
+    /// Of the center of mass, m/s.
+    pub fn velocity(&self) -> Vec3 {
+        self.velocity
+    }
+
+    /// World, rad/s.
+    pub fn angular_velocity(&self) -> Vec3 {
+        self.angular_velocity
+    }
+
+    /// About the center of mass, world, kg·m²/s.
+    pub fn angular_momentum(&self) -> Vec3 {
+        self.angular_momentum
+    }
+
+    /// Mass (kg), center and inertia, in the body's frame.
+    pub fn mass_properties(&self) -> &MassProperties {
+        &self.mass
+    }
+
+    /// kg; infinite if it is not dynamic.
+    pub fn mass(&self) -> f32 {
+        if self.kind == BodyKind::Dynamic { self.mass.mass } else { f32::INFINITY }
+    }
+
+    /// Velocity of a world point that moves with the body, m/s. TALK B2.
+    pub fn velocity_at(&self, point: Vec3) -> Vec3 {
+        self.velocity + self.angular_velocity.cross(point - self.center)
+    }
+
+    /// Whether its island sleeps.
+    pub fn is_asleep(&self) -> bool {
+        self.asleep
+    }
+
+    /// Hops from the ground over contacts; `None` where there is no way down. TALK D5.
+    pub fn height(&self) -> Option<u32> {
+        (self.height != NO_HEIGHT).then_some(self.height)
+    }
+
+    /// Number of its island in the last step.
+    pub fn island(&self) -> u32 {
+        self.island
+    }
+
+    /// Kinetic energy, J.
+    pub fn kinetic_energy(&self) -> f32 {
+        if self.kind != BodyKind::Dynamic {
+            return 0.0;
+        }
+        0.5 * self.mass.mass * self.velocity.length_squared() + 0.5 * self.angular_momentum.dot(self.angular_velocity)
+    }
+
+    /// Pose between the last two steps: `alpha` 0 is the start of the last step, 1 its end.
+    pub fn interpolated_pose(&self, alpha: f32) -> Pose {
+        let now = self.pose();
+        Pose::from_parts(
+            self.previous_pose.translation.lerp(now.translation, alpha),
+            self.previous_pose.rotation.slerp(now.rotation, alpha),
+        )
+    }
+
+    pub(crate) fn is_dynamic(&self) -> bool {
+        self.kind == BodyKind::Dynamic
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.center.is_finite()
+            && self.rotation.is_finite()
+            && self.velocity.is_finite()
+            && self.angular_velocity.is_finite()
+    }
+
+    /// Rotation of the principal axes of inertia: world_from_principal.
+    pub(crate) fn world_from_principal(&self) -> Quat {
+        self.rotation * self.mass.principal_frame
+    }
+
+    /// I⁻¹ in world, with locked axes taken out, 1/(kg·m²). TALK A4.
+    pub(crate) fn inverse_inertia_world(&self) -> Mat3 {
+        let mut inverse = rotated_diagonal(self.world_from_principal(), self.inverse_principal_inertia);
+        let keep = unlocked(self.locked_rotation);
+        inverse = Mat3::from_cols(
+            inverse.x_axis * keep * keep.x,
+            inverse.y_axis * keep * keep.y,
+            inverse.z_axis * keep * keep.z,
+        );
+        inverse
+    }
+
+    /// I in world, kg·m².
+    pub(crate) fn inertia_world(&self) -> Mat3 {
+        rotated_diagonal(self.world_from_principal(), self.mass.principal_inertia)
+    }
+
+    /// Inverse mass by world axis: zero along locked axes, 1/kg.
+    pub(crate) fn inverse_mass_by_axis(&self) -> Vec3 {
+        unlocked(self.locked_translation) * self.inverse_mass
+    }
+}
+
+/// 1 for free axes, 0 for locked ones.
+pub(crate) fn unlocked(locked: [bool; 3]) -> Vec3 {
+    Vec3::from_array(locked.map(|l| if l { 0.0 } else { 1.0 }))
+}
+
+/// A shape of a body in a world.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct ShapeState {
+    pub body: u32,
+    /// Which shape of its body.
+    pub ordinal: u32,
+    pub shape: Shape,
+    /// Place in the frame of the center of mass: world = center + R (offset …).
+    pub center_from_shape: Pose,
+    /// Radius of the largest ball about its centroid inside it, m: what sweeping compares motion with.
+    pub inner_radius: f32,
+    /// Fat bounds in the broad phase.
+    pub bounds_min: Vec3,
+    pub bounds_max: Vec3,
+}
+
+impl ShapeState {
+    pub fn world_from_shape(&self, body: &BodyState) -> Pose {
+        Pose::from_parts(body.center, body.rotation) * self.center_from_shape
+    }
+}
+
+/// Names a shape of a body in a world: the body and which of its shapes (compounds laid out flat).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct ShapeId {
+    /// The body.
+    pub body: BodyHandle,
+    /// Which of its shapes.
+    pub ordinal: u32,
+}

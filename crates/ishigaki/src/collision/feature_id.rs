@@ -1,0 +1,57 @@
+//! Semantic contact ids. TALK D4.
+//!
+//! A contact point is named by *what touches what*: a feature of A × a feature of B. The name is the same
+//! whichever of the two shapes the narrow phase takes as reference, and it survives sliding and turning as
+//! long as the same two features touch: impulses of the last step can be handed to the right point.
+
+use serde::{Deserialize, Serialize};
+
+/// A vertex, an edge or a face of one shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct Feature(u32);
+
+impl Feature {
+    const KIND_SHIFT: u32 = 30;
+
+    /// A vertex by its number in the shape (a ball's center, a capsule's end).
+    pub const fn vertex(index: u32) -> Self {
+        Self(index)
+    }
+
+    /// An edge by its number in the shape (a capsule's side).
+    pub const fn edge(index: u32) -> Self {
+        Self(1 << Self::KIND_SHIFT | index)
+    }
+
+    /// A face by its number in the shape.
+    pub const fn face(index: u32) -> Self {
+        Self(2 << Self::KIND_SHIFT | index)
+    }
+
+    /// A feature that the narrow phase cannot name, told apart by a number.
+    pub const fn unknown(index: u32) -> Self {
+        Self(3 << Self::KIND_SHIFT | index)
+    }
+}
+
+/// A feature of A × a feature of B.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct FeatureId {
+    /// On shape A.
+    pub a: Feature,
+    /// On shape B.
+    pub b: Feature,
+}
+
+impl FeatureId {
+    /// The pair of features.
+    pub const fn new(a: Feature, b: Feature) -> Self {
+        Self { a, b }
+    }
+
+    /// The same contact with A and B exchanged.
+    #[must_use]
+    pub const fn swapped(self) -> Self {
+        Self { a: self.b, b: self.a }
+    }
+}

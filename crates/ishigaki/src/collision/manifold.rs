@@ -1,0 +1,121 @@
+//! What the narrow phase finds ([`LocalManifold`]) and what the solver keeps ([`Manifold`], [`Contact`]).
+
+use crate::collision::feature_id::FeatureId;
+use crate::math::Vec3;
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
+
+/// Points in a manifold at most: more add no support.
+pub const MAX_POINTS: usize = 4;
+
+/// A touching or nearly touching point, in the frame of shape A.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalPoint {
+    /// On the surface of A, m.
+    pub on_a: Vec3,
+    /// On the surface of B, m.
+    pub on_b: Vec3,
+    /// (on_a − on_b)·normal, m; negative = overlap.
+    pub separation: f32,
+    /// What touches what.
+    pub id: FeatureId,
+}
+
+/// Points of one pair that share a normal, in the frame of shape A.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LocalManifold {
+    /// Unit, B's surface normal: it points from B to A.
+    pub normal: Vec3,
+    /// At most [`MAX_POINTS`], reduced for support area; never two with the same id.
+    pub points: ArrayVec<LocalPoint, MAX_POINTS>,
+    /// Which part of A and of B (triangle of a mesh, cell of a height field); 0 for convex shapes.
+    pub part: (u32, u32),
+}
+
+impl LocalManifold {
+    /// Without points.
+    pub fn empty() -> Self {
+        Self { normal: Vec3::Y, points: ArrayVec::new(), part: (0, 0) }
+    }
+}
+
+/// A contact point as the solver sees it. Arms are in world, from the bodies' centers of mass.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactPoint {
+    /// From the center of A to the point on A, world, m.
+    pub arm_a: Vec3,
+    /// From the center of B to the point on B, world, m.
+    pub arm_b: Vec3,
+    /// Along the normal, m; negative = overlap.
+    pub separation: f32,
+    /// What touches what.
+    pub id: FeatureId,
+    /// Normal impulse of the last substep, N·s: the warm start.
+    pub lambda_normal: f32,
+    /// Friction impulse on A of the last substep, world, N·s: the warm start.
+    pub lambda_friction: Vec3,
+    /// Normal impulse summed over the step, N·s.
+    pub impulse: f32,
+}
+
+/// Points of a pair that share a normal.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Manifold {
+    /// Unit, world, B's surface normal: it points from B to A.
+    pub normal: Vec3,
+    /// At most [`MAX_POINTS`].
+    pub points: ArrayVec<ContactPoint, MAX_POINTS>,
+    /// Which part of A and of B.
+    pub part: (u32, u32),
+    /// Torsional impulse about the normal on A, N·m·s: the warm start.
+    pub lambda_torsion: f32,
+    /// Rolling impulse on A, world, N·m·s: the warm start.
+    pub lambda_rolling: Vec3,
+}
+
+/// A pair of shapes that may touch, with what is remembered between steps.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Contact {
+    /// Slots of the shapes; `shape_a < shape_b`.
+    pub(crate) shape_a: u32,
+    pub(crate) shape_b: u32,
+    /// Slots of the bodies.
+    pub(crate) body_a: u32,
+    pub(crate) body_b: u32,
+    /// One for convex pairs, several for meshes.
+    pub(crate) manifolds: SmallVec<[Manifold; 1]>,
+    /// Mixed material of the pair.
+    pub(crate) friction: f32,
+    pub(crate) restitution: f32,
+    pub(crate) torsional_friction: f32,
+    pub(crate) rolling_friction: f32,
+    /// Velocity of B's surface relative to A's by conveyors, world, m/s.
+    pub(crate) surface_velocity: Vec3,
+    /// What the narrow phase remembers: the separating axis of the last step.
+    pub(crate) hint: u32,
+    /// Neither makes contact; overlap is reported.
+    pub(crate) sensor: bool,
+    /// Had points (or overlap, for sensors) in the last step.
+    pub(crate) touching: bool,
+    /// Set while the pair is frozen by aggressive sleep.
+    pub(crate) frozen: Option<Frozen>,
+}
+
+/// Relative pose of a pair when aggressive sleep froze it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Frozen {
+    pub b_in_a: crate::math::Pose,
+}
+
+impl Contact {
+    /// Manifolds with at least one point.
+    pub fn manifolds(&self) -> &[Manifold] {
+        &self.manifolds
+    }
+
+    /// Whether aggressive sleep keeps its rows from the last step.
+    pub fn is_frozen(&self) -> bool {
+        self.frozen.is_some()
+    }
+}

@@ -1,0 +1,5 @@
+//! From poses to contact points: broad phase, manifolds, semantic ids.
+
+pub mod feature_id;
+pub mod manifold;
+pub mod narrow_phase;

@@ -1,0 +1,139 @@
+//! Handles with generations and the arena they index.
+//!
+//! A handle stays valid until its object is removed; a stale one finds nothing, even when the slot has
+//! been used again. Iteration is by slot index: an order that depends only on the history of calls.
+
+use serde::{Deserialize, Serialize};
+
+macro_rules! handle {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        pub struct $name {
+            pub(crate) index: u32,
+            pub(crate) generation: u32,
+        }
+
+        impl $name {
+            /// The slot: small, dense, reused after removal. Good for side tables.
+            pub fn index(self) -> usize {
+                self.index as usize
+            }
+
+            /// How often the slot had been used before this object.
+            pub fn generation(self) -> u32 {
+                self.generation
+            }
+        }
+
+        impl From<(u32, u32)> for $name {
+            fn from((index, generation): (u32, u32)) -> Self {
+                Self { index, generation }
+            }
+        }
+
+        impl From<$name> for (u32, u32) {
+            fn from(handle: $name) -> Self {
+                (handle.index, handle.generation)
+            }
+        }
+    };
+}
+
+handle!(
+    /// Names a body of a [`World`](crate::World).
+    BodyHandle
+);
+handle!(
+    /// Names a joint of a [`World`](crate::World).
+    JointHandle
+);
+
+/// Slots with generations; freed slots are reused, the last freed first.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Arena<T> {
+    slots: Vec<Slot<T>>,
+    free: Vec<u32>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Slot<T> {
+    generation: u32,
+    value: Option<T>,
+}
+
+impl<T> Default for Arena<T> {
+    fn default() -> Self {
+        Self { slots: Vec::new(), free: Vec::new() }
+    }
+}
+
+impl<T> Arena<T> {
+    pub fn insert(&mut self, value: T) -> (u32, u32) {
+        if let Some(index) = self.free.pop() {
+            let slot = &mut self.slots[index as usize];
+            slot.value = Some(value);
+            (index, slot.generation)
+        } else {
+            self.slots.push(Slot { generation: 0, value: Some(value) });
+            (self.slots.len() as u32 - 1, 0)
+        }
+    }
+
+    pub fn remove(&mut self, (index, generation): (u32, u32)) -> Option<T> {
+        let slot = self.slots.get_mut(index as usize)?;
+        if slot.generation != generation {
+            return None;
+        }
+        let value = slot.value.take()?;
+        slot.generation = slot.generation.wrapping_add(1);
+        self.free.push(index);
+        Some(value)
+    }
+
+    pub fn get(&self, (index, generation): (u32, u32)) -> Option<&T> {
+        let slot = self.slots.get(index as usize)?;
+        if slot.generation == generation { slot.value.as_ref() } else { None }
+    }
+
+    pub fn get_mut(&mut self, (index, generation): (u32, u32)) -> Option<&mut T> {
+        let slot = self.slots.get_mut(index as usize)?;
+        if slot.generation == generation { slot.value.as_mut() } else { None }
+    }
+
+    /// The object in a slot known to be in use.
+    #[track_caller]
+    pub fn at(&self, index: u32) -> &T {
+        self.slots[index as usize].value.as_ref().expect("slot in use")
+    }
+
+    /// The object in a slot known to be in use.
+    #[track_caller]
+    pub fn at_mut(&mut self, index: u32) -> &mut T {
+        self.slots[index as usize].value.as_mut().expect("slot in use")
+    }
+
+    pub fn generation_at(&self, index: u32) -> u32 {
+        self.slots[index as usize].generation
+    }
+
+    /// Objects in slot order.
+    pub fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
+        self.slots.iter().enumerate().filter_map(|(i, s)| s.value.as_ref().map(|v| (i as u32, v)))
+    }
+
+    /// Objects in slot order.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
+        self.slots.iter_mut().enumerate().filter_map(|(i, s)| s.value.as_mut().map(|v| (i as u32, v)))
+    }
+
+    /// How many objects there are.
+    pub fn len(&self) -> usize {
+        self.slots.len() - self.free.len()
+    }
+
+    /// How many slots there are, free ones included: every index is below it.
+    pub fn slot_count(&self) -> usize {
+        self.slots.len()
+    }
+}

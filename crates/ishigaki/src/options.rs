@@ -1,0 +1,495 @@
+//! Every option of the engine: one struct per technique, with units.
+//!
+//! A technique has `enabled` and its numbers, so that switching it off and on keeps them. Lengths are
+//! multiples of [`WorldOptions::length_scale`] where the doc says "× length scale"; speeds and times
+//! scale with its square root, so a scene behaves the same at 0.01, 1 and 100 m.
+
+use crate::error::{Error, Result, finite_vector, not_negative, positive};
+use crate::math::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Everything a world can be told besides its bodies and joints.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct WorldOptions {
+    /// Gravitational acceleration, m/s².
+    #[cfg_attr(feature = "schema", schemars(with = "[f32; 3]"))]
+    pub gravity: Vec3,
+    /// The typical size of a body, m. Slop, margins, rest speeds and deadbands are multiples of it.
+    pub length_scale: f32,
+    /// Seed of every random choice (permutation).
+    pub seed: u64,
+    /// How bodies move between contacts.
+    pub motion: MotionOptions,
+    /// How contacts are found.
+    pub contact: ContactOptions,
+    /// How constraints are solved.
+    pub solver: SolverOptions,
+    /// How bodies come to rest.
+    pub rest: RestOptions,
+    /// What the report measures beyond the counts.
+    pub report: ReportOptions,
+}
+
+impl Default for WorldOptions {
+    fn default() -> Self {
+        Self {
+            gravity: Vec3::new(0.0, -9.81, 0.0),
+            length_scale: 1.0,
+            seed: 1,
+            motion: MotionOptions::default(),
+            contact: ContactOptions::default(),
+            solver: SolverOptions::default(),
+            rest: RestOptions::default(),
+            report: ReportOptions::default(),
+        }
+    }
+}
+
+/// Scheme of the rotation. TALK A5–A7.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum RotationScheme {
+    /// Angular momentum kept exactly, rotation by a symmetric splitting about the principal axes (default).
+    #[default]
+    Splitting,
+    /// The talk's four steps: R, I, L, ω.
+    AngularMomentum,
+    /// Explicit integration of Euler's equation in ω: the talk's warning. It gains energy and blows up.
+    ExplicitEuler,
+}
+
+/// How bodies move between contacts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct MotionOptions {
+    /// Scheme of the rotation.
+    pub rotation: RotationScheme,
+    /// No body moves faster than this, m/s × √length scale: a guard against numbers that run away.
+    pub max_speed: f32,
+    /// No body turns faster than this, rad/s.
+    pub max_angular_speed: f32,
+}
+
+impl Default for MotionOptions {
+    fn default() -> Self {
+        Self { rotation: RotationScheme::Splitting, max_speed: 1000.0, max_angular_speed: 500.0 }
+    }
+}
+
+/// How contacts are found.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct ContactOptions {
+    /// Contacts are made up to this separation, × length scale.
+    pub speculative_margin: f32,
+    /// Bounds are fattened by this, × length scale, so that slow bodies need no new broad phase.
+    pub bounds_margin: f32,
+    /// Bodies marked `continuous` are swept when they move more than this part of their own inner radius in a step.
+    pub sweep_threshold: f32,
+}
+
+impl Default for ContactOptions {
+    fn default() -> Self {
+        Self { speculative_margin: 0.02, bounds_margin: 0.05, sweep_threshold: 0.5 }
+    }
+}
+
+/// How constraints are solved.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct SolverOptions {
+    /// Steps of length Δt/substeps between two contact detections.
+    pub substeps: u32,
+    /// Sweeps over all rows in each substep, penetration recovery included.
+    pub sweeps: u32,
+    /// Sweeps in each substep after the bodies moved, without recovery: they take its speed out again.
+    pub relax_sweeps: u32,
+    /// How overlap is pushed out. TALK D1.
+    pub penetration_recovery: PenetrationRecovery,
+    /// How joint errors are pulled back. TALK B9.
+    pub joint_recovery: JointRecovery,
+    /// Overlap that is left alone. TALK D2.
+    pub slop: Slop,
+    /// Order of the rows. TALK D3.
+    pub permutation: Permutation,
+    /// Start from the last step's impulses. TALK D4.
+    pub warm_start: WarmStart,
+    /// Distance of a body from the ground in hops. TALK D5.
+    pub height: Height,
+    /// Forces travel upward only. TALK D6, D7.
+    pub shock_propagation: ShockPropagation,
+    /// The lower body of a contact counts as heavier. TALK D8.
+    pub weight_amplification: WeightAmplification,
+    /// Friction law. TALK C2.
+    pub friction: FrictionModel,
+    /// Bouncing.
+    pub restitution: Restitution,
+}
+
+impl Default for SolverOptions {
+    fn default() -> Self {
+        Self {
+            substeps: 4,
+            sweeps: 2,
+            relax_sweeps: 1,
+            penetration_recovery: PenetrationRecovery::default(),
+            joint_recovery: JointRecovery::default(),
+            slop: Slop::default(),
+            permutation: Permutation::Alternating,
+            warm_start: WarmStart::default(),
+            height: Height::default(),
+            shock_propagation: ShockPropagation::default(),
+            weight_amplification: WeightAmplification::default(),
+            friction: FrictionModel::Disk,
+            restitution: Restitution::default(),
+        }
+    }
+}
+
+impl SolverOptions {
+    /// Every technique off: ten sweeps of projected Gauss–Seidel and nothing else. Friction stays (disk).
+    pub fn plain() -> Self {
+        let mut options =
+            Self { substeps: 1, sweeps: 10, relax_sweeps: 0, permutation: Permutation::None, ..Self::default() };
+        options.penetration_recovery.enabled = false;
+        options.slop.enabled = false;
+        options.warm_start.enabled = false;
+        options.weight_amplification.enabled = false;
+        options.shock_propagation.enabled = false;
+        options
+    }
+
+    /// All that the talk recommends: recovery with slop, random order in every sweep, warm start and WA 1.4.
+    pub fn talk() -> Self {
+        Self {
+            substeps: 1,
+            sweeps: 10,
+            relax_sweeps: 0,
+            permutation: Permutation::PerSweep,
+            weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
+            ..Self::default()
+        }
+    }
+}
+
+/// Push overlap out at `rate` of it per substep. TALK D1: v_error = k d/Δt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct PenetrationRecovery {
+    /// On or off.
+    pub enabled: bool,
+    /// k: the part of the overlap taken back in one substep, in [0, 1].
+    pub rate: f32,
+    /// Recovery is never faster than this, m/s × √length scale.
+    pub max_speed: f32,
+}
+
+impl Default for PenetrationRecovery {
+    fn default() -> Self {
+        Self { enabled: true, rate: 0.3, max_speed: 3.0 }
+    }
+}
+
+/// Pull joint errors back at `rate` of them per substep. TALK B9: k θ_err/Δt.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct JointRecovery {
+    /// On or off.
+    pub enabled: bool,
+    /// k: the part of the error taken back in one substep, in [0, 1].
+    pub rate: f32,
+}
+
+impl Default for JointRecovery {
+    fn default() -> Self {
+        Self { enabled: true, rate: 0.3 }
+    }
+}
+
+/// Overlap that is left alone, so that support never switches off. TALK D2.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Slop {
+    /// On or off.
+    pub enabled: bool,
+    /// Overlap left alone, × length scale.
+    pub depth: f32,
+}
+
+impl Default for Slop {
+    fn default() -> Self {
+        Self { enabled: true, depth: 0.005 }
+    }
+}
+
+/// Order in which rows are visited. TALK D3.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Permutation {
+    /// As the rows were built.
+    None,
+    /// A new random order each step.
+    PerStep,
+    /// A new random order each sweep.
+    PerSweep,
+    /// Forwards, then backwards.
+    #[default]
+    Alternating,
+}
+
+/// Start from the last step's impulses. TALK D4.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct WarmStart {
+    /// On or off.
+    pub enabled: bool,
+    /// Part of the last impulse that is taken over, in [0, 1].
+    pub factor: f32,
+}
+
+impl Default for WarmStart {
+    fn default() -> Self {
+        Self { enabled: true, factor: 1.0 }
+    }
+}
+
+/// Hops from a fixed or kinematic body. TALK D5.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Height {
+    /// Count hops over joints too, not over contacts alone.
+    pub through_joints: bool,
+}
+
+/// The lower body of a contact counts as infinitely heavy, lower contacts first. TALK D6, D7.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct ShockPropagation {
+    /// On or off.
+    pub enabled: bool,
+    /// c in λ = (1−c)λ₀ + cλ₁, with λ₀ the plain and λ₁ the shock solution; 1 = shock alone, one solve.
+    pub blend: f32,
+}
+
+impl Default for ShockPropagation {
+    fn default() -> Self {
+        Self { enabled: false, blend: 1.0 }
+    }
+}
+
+/// The lower body of a contact counts as c times as heavy. TALK D8.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct WeightAmplification {
+    /// On or off.
+    pub enabled: bool,
+    /// c ≥ 1.
+    pub factor: f32,
+    /// Amplify the mass.
+    pub mass: bool,
+    /// Amplify the inertia.
+    pub inertia: bool,
+}
+
+impl Default for WeightAmplification {
+    fn default() -> Self {
+        Self { enabled: false, factor: 1.4, mass: true, inertia: true }
+    }
+}
+
+/// Friction law. TALK C2.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum FrictionModel {
+    /// No friction at all.
+    Off,
+    /// Two tangents fixed in the world, each with |λ_t| ≤ μλ_n: the talk's. Up to √2 too strong, and it bends sliding.
+    Box,
+    /// |λ_t| ≤ μλ_n for the vector: Coulomb's cone (default).
+    #[default]
+    Disk,
+}
+
+/// Bouncing, as an impact phase before the contact solve (Guendelman et al. 2003).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Restitution {
+    /// On or off.
+    pub enabled: bool,
+    /// Slower impacts do not bounce, m/s × √length scale.
+    pub threshold: f32,
+    /// Greatest number of passes over the impacts of a substep.
+    pub passes: u32,
+}
+
+impl Default for Restitution {
+    fn default() -> Self {
+        Self { enabled: true, threshold: 0.5, passes: 16 }
+    }
+}
+
+/// How bodies come to rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct RestOptions {
+    /// Whole islands stop being simulated. TALK D9.
+    pub sleep: Sleep,
+    /// Resting pairs keep their rows; bodies are still simulated. TALK D10.
+    pub aggressive_sleep: AggressiveSleep,
+}
+
+/// Whole islands stop being simulated. TALK D9.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Sleep {
+    /// On or off.
+    pub enabled: bool,
+    /// At rest below this speed, m/s × √length scale.
+    pub linear_speed: f32,
+    /// At rest below this angular speed, rad/s ÷ √length scale.
+    pub angular_speed: f32,
+    /// An island sleeps when all its bodies have been at rest this long, s × √length scale.
+    pub time: f32,
+}
+
+impl Default for Sleep {
+    fn default() -> Self {
+        Self { enabled: true, linear_speed: 0.05, angular_speed: 0.05, time: 0.5 }
+    }
+}
+
+/// Resting pairs keep their rows; bodies are still simulated. TALK D10.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct AggressiveSleep {
+    /// On or off.
+    pub enabled: bool,
+    /// At rest below this speed, m/s × √length scale.
+    pub linear_speed: f32,
+    /// At rest below this angular speed, rad/s ÷ √length scale.
+    pub angular_speed: f32,
+    /// At rest after this many slow steps in a row.
+    pub steps: u32,
+    /// A pair thaws when it moved this part of the slop since freezing.
+    pub thaw_distance: f32,
+    /// A pair thaws when it turned this much since freezing, rad.
+    pub thaw_angle: f32,
+}
+
+impl Default for AggressiveSleep {
+    fn default() -> Self {
+        Self {
+            enabled: true,
+            linear_speed: 0.1,
+            angular_speed: 0.1,
+            steps: 10,
+            thaw_distance: 0.25,
+            thaw_angle: 0.5_f32.to_radians(),
+        }
+    }
+}
+
+/// What the report measures beyond the counts; each costs a pass over bodies or rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct ReportOptions {
+    /// Energies and momenta.
+    pub energy: bool,
+    /// The residual of the LCP after the last sweep.
+    pub residual: bool,
+    /// The residual after every sweep too: slow, for plots.
+    pub residual_by_sweep: bool,
+}
+
+impl Default for ReportOptions {
+    fn default() -> Self {
+        Self { energy: true, residual: true, residual_by_sweep: false }
+    }
+}
+
+impl WorldOptions {
+    /// Refuses numbers that make no sense; names the option.
+    ///
+    /// # Errors
+    /// The first option that is not finite or out of its range, named by its path.
+    pub fn validate(&self) -> Result<()> {
+        finite_vector("gravity", self.gravity)?;
+        positive("length_scale", self.length_scale)?;
+        positive("motion.max_speed", self.motion.max_speed)?;
+        positive("motion.max_angular_speed", self.motion.max_angular_speed)?;
+        not_negative("contact.speculative_margin", self.contact.speculative_margin)?;
+        not_negative("contact.bounds_margin", self.contact.bounds_margin)?;
+        not_negative("contact.sweep_threshold", self.contact.sweep_threshold)?;
+        self.solver.validate().map_err(|e| e.within("solver"))?;
+        let sleep = &self.rest.sleep;
+        not_negative("rest.sleep.linear_speed", sleep.linear_speed)?;
+        not_negative("rest.sleep.angular_speed", sleep.angular_speed)?;
+        not_negative("rest.sleep.time", sleep.time)?;
+        let aggressive = &self.rest.aggressive_sleep;
+        not_negative("rest.aggressive_sleep.linear_speed", aggressive.linear_speed)?;
+        not_negative("rest.aggressive_sleep.angular_speed", aggressive.angular_speed)?;
+        not_negative("rest.aggressive_sleep.thaw_distance", aggressive.thaw_distance)?;
+        not_negative("rest.aggressive_sleep.thaw_angle", aggressive.thaw_angle)?;
+        Ok(())
+    }
+}
+
+impl SolverOptions {
+    fn validate(&self) -> Result<()> {
+        count("substeps", self.substeps, 1, 1000)?;
+        count("sweeps", self.sweeps, 0, 100_000)?;
+        count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;
+        count("restitution.passes", self.restitution.passes, 0, 10_000)?;
+        fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;
+        not_negative("penetration_recovery.max_speed", self.penetration_recovery.max_speed)?;
+        fraction("joint_recovery.rate", self.joint_recovery.rate)?;
+        not_negative("slop.depth", self.slop.depth)?;
+        fraction("warm_start.factor", self.warm_start.factor)?;
+        fraction("shock_propagation.blend", self.shock_propagation.blend)?;
+        not_negative("restitution.threshold", self.restitution.threshold)?;
+        let factor = self.weight_amplification.factor;
+        if !(factor.is_finite() && factor >= 1.0) {
+            return Err(Error::invalid(
+                "weight_amplification.factor",
+                format!("must be finite and ≥ 1 (the lower body counts as heavier), is {factor}"),
+            ));
+        }
+        Ok(())
+    }
+}
+
+fn fraction(place: &str, value: f32) -> Result<()> {
+    if (0.0..=1.0).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::invalid(place, format!("must be in [0, 1], is {value}")))
+    }
+}
+
+fn count(place: &str, value: u32, least: u32, most: u32) -> Result<()> {
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::invalid(place, format!("must be in [{least}, {most}], is {value}")))
+    }
+}
