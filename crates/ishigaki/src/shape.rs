@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 mod height_field;
 mod hull;
+mod parry_shape;
 mod triangle_mesh;
 
 pub use height_field::HeightField;

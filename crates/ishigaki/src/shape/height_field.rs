@@ -5,13 +5,14 @@ use crate::math::Vec3;
 use parry3d::shape::HeightField as ParryField;
 use parry3d::utils::Array2;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Heights along Y over a grid in X (columns) and Z (rows), centered on the origin; serialized as its numbers.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "FieldData", into = "FieldData")]
 pub struct HeightField {
     data: FieldData,
-    pub(crate) field: ParryField,
+    pub(crate) field: Arc<ParryField>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,7 +81,7 @@ impl TryFrom<FieldData> for HeightField {
         }
         let matrix = Array2::new(data.rows, data.columns, column_major);
         let field = ParryField::new(matrix, Vec3::new(data.size_x, 1.0, data.size_z));
-        Ok(Self { data, field })
+        Ok(Self { data, field: Arc::new(field) })
     }
 }
 

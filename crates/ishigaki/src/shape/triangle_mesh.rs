@@ -4,12 +4,13 @@ use crate::error::{Error, Result};
 use crate::math::Vec3;
 use parry3d::shape::{TriMesh, TriMeshFlags};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A surface of triangles, counter-clockwise seen from outside; serialized as vertices and triangles.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "MeshData", into = "MeshData")]
 pub struct TriangleMesh {
-    pub(crate) mesh: TriMesh,
+    pub(crate) mesh: Arc<TriMesh>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -40,7 +41,7 @@ impl TriangleMesh {
         }
         let mesh = TriMesh::with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES)
             .map_err(|e| Error::invalid("triangles", e.to_string()))?;
-        Ok(Self { mesh })
+        Ok(Self { mesh: Arc::new(mesh) })
     }
 
     /// Vertices, m.
