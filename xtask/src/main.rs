@@ -1,1 +1,35 @@
-fn main() {}
+//! Chores of the repository: `cargo xtask test`, `cargo xtask fuzz`.
+
+mod fuzz;
+mod run;
+mod test;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+cargo xtask test                  every test: the workspace, its doc tests, the unoptimized build, Miri, imported models
+cargo xtask fuzz [--seed N] [--iterations N | --seconds S] [--target NAME]
+                                  mutated scene files through parser, world and solver
+
+Environment of `test`:
+  ISHIGAKI_REQUIRE=models,miri    kinds of tests that must not be skipped (comma list)";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let done = match arguments.first().map(String::as_str) {
+        Some("test") if arguments.len() == 1 => test::run(),
+        Some("fuzz") => fuzz::run(&arguments[1..]),
+        None | Some("help" | "--help" | "-h") => {
+            println!("{HELP}");
+            Ok(())
+        }
+        Some(other) => Err(format!("unknown task or arguments: {other}\n\n{HELP}")),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Running cargo.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+/// The repository.
+pub fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}
+
+/// Where cargo builds.
+pub fn target_directory() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+/// `cargo ARGUMENTS` in the repository; `toolchain` as in `cargo +nightly`.
+pub fn cargo(toolchain: Option<&str>, arguments: &[&str]) -> Command {
+    // Cargo names itself to its children, but that cargo takes no `+nightly`: only the one on the path does.
+    let own = std::env::var_os("CARGO").filter(|_| toolchain.is_none());
+    let mut command = Command::new(own.unwrap_or_else(|| "cargo".into()));
+    if let Some(toolchain) = toolchain {
+        command.arg(format!("+{toolchain}"));
+        for variable in ["CARGO", "RUSTC", "RUSTDOC", "RUSTUP_TOOLCHAIN"] {
+            command.env_remove(variable);
+        }
+    }
+    command.args(arguments).current_dir(root());
+    command
+}
+
+/// Runs a command to its end, says how long it took.
+pub fn execute(title: &str, command: &mut Command) -> Result<(), String> {
+    eprintln!("── {title}");
+    let start = now();
+    let status = command.status().map_err(|e| format!("{title}: cannot start {:?}: {e}", command.get_program()))?;
+    eprintln!(
+        "── {title}: {} after {:.1} s",
+        if status.success() { "ok" } else { "FAILED" },
+        start.elapsed().as_secs_f64()
+    );
+    if status.success() { Ok(()) } else { Err(format!("{title}: {status}")) }
+}
+
+#[expect(clippy::disallowed_methods, reason = "the ban is the engine's; chores may say how long they took")]
+fn now() -> Instant {
+    Instant::now()
+}

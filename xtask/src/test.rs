@@ -1,0 +1,95 @@
+//! `cargo xtask test`: every test there is, and at its end the list of what was skipped.
+//!
+//! A test that needs more than Rust skips itself by appending `kind: what; how to get it` to the file named
+//! by `ISHIGAKI_SKIP_LOG`, unless its kind is in `ISHIGAKI_REQUIRE`: then a skip is a failure.
+
+use crate::run::{cargo, execute, root, target_directory};
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+
+pub fn run() -> Result<(), String> {
+    let log = target_directory().join("skipped.txt");
+    fs::create_dir_all(target_directory()).map_err(|e| format!("{}: {e}", target_directory().display()))?;
+    fs::write(&log, "").map_err(|e| format!("{}: {e}", log.display()))?;
+
+    let mut failures = Vec::new();
+    let mut suite = |title: &str, toolchain: Option<&str>, arguments: &[&str], environment: &[(&str, &str)]| {
+        let mut command = cargo(toolchain, arguments);
+        command.env("ISHIGAKI_SKIP_LOG", &log).envs(environment.iter().copied());
+        failures.extend(execute(title, &mut command).err());
+    };
+
+    suite("workspace", None, &["test", "--workspace", "--no-fail-fast"], &[]);
+    if root().join("crates/ishigaki/tests/golden.rs").exists() {
+        let unoptimized = ["test", "--profile", "unoptimized", "--package", "ishigaki", "--test", "golden"];
+        suite("golden hashes, unoptimized", None, &unoptimized, &[]);
+    }
+    match miri_missing() {
+        None => {
+            let miri = ["miri", "test", "--package", "ishigaki", "--test", "miri_small"];
+            suite("miri", Some("nightly"), &miri, &[("MIRIFLAGS", "-Zmiri-strict-provenance")]);
+        }
+        Some(why) => skip(&log, &format!("miri: {why}"))?,
+    }
+
+    let text = fs::read_to_string(&log).map_err(|e| format!("{}: {e}", log.display()))?;
+    let mut skipped: Vec<&str> = text.lines().collect();
+    skipped.sort_unstable();
+    skipped.dedup();
+    let required = std::env::var("ISHIGAKI_REQUIRE").unwrap_or_default();
+    for line in &skipped {
+        if is_required(line, &required) {
+            failures.push(format!("skipped, but ISHIGAKI_REQUIRE={required}: {line}"));
+        }
+    }
+    summarize(&skipped, &failures)
+}
+
+/// Whether the kind of a line of the skip log is in the comma list.
+fn is_required(line: &str, required: &str) -> bool {
+    let kind = line.split(':').next().unwrap_or(line).trim();
+    required.split(',').any(|r| r.trim() == kind)
+}
+
+fn skip(log: &Path, line: &str) -> Result<(), String> {
+    use std::io::Write;
+    let mut file = fs::OpenOptions::new().append(true).open(log).map_err(|e| format!("{}: {e}", log.display()))?;
+    writeln!(file, "{line}").map_err(|e| format!("{}: {e}", log.display()))
+}
+
+/// Why Miri cannot run, or `None`.
+fn miri_missing() -> Option<&'static str> {
+    let remedy = "no nightly toolchain with Miri; `rustup toolchain install nightly` then \
+                  `rustup +nightly component add miri rust-src`";
+    let answer = cargo(Some("nightly"), &["miri", "--version"]).stdout(Stdio::null()).stderr(Stdio::null()).status();
+    if answer.is_ok_and(|status| status.success()) { None } else { Some(remedy) }
+}
+
+fn summarize(skipped: &[&str], failures: &[String]) -> Result<(), String> {
+    if skipped.is_empty() {
+        println!("nothing was skipped");
+    } else {
+        println!("skipped:");
+        skipped.iter().for_each(|line| println!("  {line}"));
+    }
+    if failures.is_empty() { Ok(()) } else { Err(format!("failed:\n  {}", failures.join("\n  "))) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_required_kind_is_matched_whole() {
+        assert!(is_required("models: not fetched; run x", "miri, models"));
+        assert!(!is_required("models: not fetched", "model"));
+        assert!(!is_required("models: not fetched", ""));
+    }
+
+    #[test]
+    fn a_failure_wins_over_skips() {
+        assert!(summarize(&["miri: x"], &[]).is_ok());
+        assert!(summarize(&[], &["y".to_string()]).unwrap_err().contains('y'));
+    }
+}
