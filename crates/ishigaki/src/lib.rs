@@ -13,6 +13,7 @@ pub mod event;
 pub mod handle;
 pub mod mass;
 pub mod math;
+pub mod motion;
 pub mod options;
 pub mod report;
 pub mod shape;
