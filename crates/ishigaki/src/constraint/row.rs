@@ -65,4 +65,9 @@ impl RowSpec {
             upper: f32::INFINITY,
         }
     }
+
+    /// A row that does nothing: λ is held at 0. Keeps its place in the count where a condition has lost its meaning.
+    pub fn inert(jacobian: Jacobian) -> Self {
+        Self { jacobian, softness: 0.0, bias: 0.0, relax_bias: 0.0, lower: 0.0, upper: 0.0 }
+    }
 }
