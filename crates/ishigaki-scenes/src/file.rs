@@ -18,6 +18,8 @@ pub use joint::{
 };
 pub use shape::{GeometryFile, HullFile, MeshFile, ShapeFile};
 
+pub(crate) use text::shorten;
+
 use crate::error::{Result, SceneError, with_guess};
 use ishigaki::{Vec3, WorldOptions};
 use schemars::JsonSchema;

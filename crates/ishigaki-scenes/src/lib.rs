@@ -11,6 +11,10 @@
 
 pub mod error;
 pub mod file;
+pub mod measure;
+pub mod options;
 
 pub use error::{Result, SceneError};
 pub use file::{Scene, SceneFile, scene_schema};
+pub use measure::{Measure, Meter};
+pub use options::{list_options, set_option};
