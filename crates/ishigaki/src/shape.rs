@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 mod height_field;
-mod hull;
+pub(crate) mod hull;
 mod parry_shape;
 mod triangle_mesh;
 

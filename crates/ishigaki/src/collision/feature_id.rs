@@ -28,6 +28,20 @@ impl Feature {
         Self(2 << Self::KIND_SHIFT | index)
     }
 
+    /// The number of the edge, if it is one.
+    pub const fn as_edge(self) -> Option<u32> {
+        self.index_of_kind(1)
+    }
+
+    /// The number of the face, if it is one.
+    pub const fn as_face(self) -> Option<u32> {
+        self.index_of_kind(2)
+    }
+
+    const fn index_of_kind(self, kind: u32) -> Option<u32> {
+        if self.0 >> Self::KIND_SHIFT == kind { Some(self.0 & ((1 << Self::KIND_SHIFT) - 1)) } else { None }
+    }
+
     /// A feature that the narrow phase cannot name, told apart by a number.
     pub const fn unknown(index: u32) -> Self {
         Self(3 << Self::KIND_SHIFT | index)

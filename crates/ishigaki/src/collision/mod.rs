@@ -1,6 +1,15 @@
 //! From poses to contact points: broad phase, manifolds, semantic ids.
 
+mod box_box;
 pub mod broad_phase;
+mod clip;
 pub mod feature_id;
+mod half_space;
+mod hull_hull;
 pub mod manifold;
 pub mod narrow_phase;
+mod other_pairs;
+mod polyhedron;
+mod reduce;
+mod round;
+mod sat;

@@ -1,0 +1,85 @@
+//! At most four points of a manifold: the deepest, then those that span the greatest area.
+//!
+//! More than four add rows but no support. The choice must not flicker while nothing moves, or warm starts are
+//! lost: points are visited in the order of their ids, and a later point wins only by a clear lead.
+//! Tests: `tests/feature_ids.rs`.
+
+use crate::collision::clip::Candidates;
+use crate::collision::manifold::{LocalManifold, LocalPoint, MAX_POINTS};
+use crate::collision::narrow_phase::LocalManifolds;
+use crate::math::Vec3;
+use arrayvec::ArrayVec;
+
+/// A later candidate must lead by this factor.
+const LEAD: f32 = 1.02;
+
+/// Appends the manifold of these candidates, if there are any.
+///
+/// `normal` is B's; depths that differ by less than `tolerance` (m) count as equal.
+pub(crate) fn push_manifold(
+    normal: Vec3,
+    part: (u32, u32),
+    mut candidates: Candidates,
+    tolerance: f32,
+    out: &mut LocalManifolds,
+) {
+    // A point that is not a number would poison the whole world.
+    candidates.retain(|p| p.separation.is_finite() && p.on_a.is_finite() && p.on_b.is_finite());
+    // Of equal names the deeper stays.
+    candidates.sort_by(|p, q| p.id.cmp(&q.id).then(p.separation.total_cmp(&q.separation)));
+    candidates.dedup_by(|p, q| p.id == q.id);
+    if candidates.is_empty() || !normal.is_finite() {
+        return;
+    }
+    let points = if candidates.len() <= MAX_POINTS {
+        candidates.iter().copied().collect()
+    } else {
+        spread(normal, &candidates, tolerance)
+    };
+    out.push(LocalManifold { normal, points, part });
+}
+
+fn spread(normal: Vec3, candidates: &[LocalPoint], tolerance: f32) -> ArrayVec<LocalPoint, MAX_POINTS> {
+    let mut chosen = ArrayVec::new();
+    let deepest = candidates.iter().map(|p| p.separation).fold(f32::INFINITY, f32::min);
+    let Some(first) = candidates.iter().find(|p| p.separation <= deepest + tolerance) else { return chosen };
+    chosen.push(*first);
+
+    let flat = |p: &LocalPoint| p.on_b - normal * normal.dot(p.on_b);
+    let origin = flat(first);
+    let Some(second) = greatest(candidates, |p| (flat(p) - origin).length_squared()) else { return chosen };
+    chosen.push(*second);
+
+    // Twice the signed area of a triangle, seen along the normal.
+    let area = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).dot(normal);
+    let far = flat(second);
+    let Some(third) = greatest(candidates, |p| area(origin, far, flat(p)).abs()) else { return chosen };
+    chosen.push(*third);
+
+    // What a fourth point adds outside each side of the triangle of the first three.
+    let side = flat(third);
+    let turn = area(origin, far, side).signum();
+    let added = |p: &LocalPoint| {
+        let p = flat(p);
+        let outside = [area(origin, far, p), area(far, side, p), area(side, origin, p)];
+        outside.iter().fold(0.0, |sum: f32, a| sum + (-turn * a).max(0.0))
+    };
+    if let Some(fourth) = greatest(candidates, added) {
+        chosen.push(*fourth);
+    }
+    chosen
+}
+
+/// The candidate with the clearly greatest positive value.
+fn greatest(candidates: &[LocalPoint], value: impl Fn(&LocalPoint) -> f32) -> Option<&LocalPoint> {
+    let mut best = None;
+    let mut lead = 0.0;
+    for point in candidates {
+        let value = value(point);
+        if value > lead {
+            lead = value * LEAD;
+            best = Some(point);
+        }
+    }
+    best
+}
