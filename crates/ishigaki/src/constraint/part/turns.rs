@@ -21,8 +21,8 @@ use arrayvec::ArrayVec;
 
 /// Volume of the three axes below which they count as nearly in one plane.
 const LEAST_VOLUME: f32 = 0.05;
-/// Newton stops at this rotation, rad: a few roundings of a quaternion product.
-const CLOSE: f32 = 1e-6;
+/// From this rotation, rad, one Newton step, whose error is its square, leaves no more than f32's rounding.
+const CLOSE: f32 = 1e-4;
 /// Newton steps in one substep; two or three are the rule.
 const MOST_STEPS: usize = 8;
 
@@ -128,7 +128,7 @@ fn turn(axis: Vec3, angle: f32) -> Quat {
     Quat::from_xyzw(xyz.x, xyz.y, xyz.z, cos(0.5 * angle))
 }
 
-/// Newton's method from `angles`, halving steps that do not help; gives the rotation (rad) that is left.
+/// Newton's method from `angles`, halving steps that do not help; gives the rotation (rad) left before the last step.
 fn follow(axes: [Vec3; 3], target: Quat, angles: &mut [f32; 3], most_steps: usize) -> f32 {
     let residual = |angles| {
         let (rotation, current) = forward(axes, angles);
@@ -136,10 +136,11 @@ fn follow(axes: [Vec3; 3], target: Quat, angles: &mut [f32; 3], most_steps: usiz
     };
     let (mut left, mut current) = residual(*angles);
     for _ in 0..most_steps {
+        let mut step = dual(current).map(|g| g.dot(left));
         if left.length() < CLOSE {
+            *angles = std::array::from_fn(|i| angles[i] + step[i]);
             break;
         }
-        let mut step = dual(current).map(|g| g.dot(left));
         let longest = step[0].abs().max(step[1].abs()).max(step[2].abs());
         // More than a radian is beyond what the linear model can promise.
         if longest > 1.0 {
