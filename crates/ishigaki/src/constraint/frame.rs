@@ -1,7 +1,8 @@
 //! Where the two bodies of a joint are, and where the joint's frame is on each.
 
-use crate::constraint::row::Jacobian;
+use crate::constraint::row::{Jacobian, RowSpec};
 use crate::math::{Quat, Vec3};
+use smallvec::SmallVec;
 
 /// Pose and velocity of a body at one moment, of its center of mass, in world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,4 +76,16 @@ impl FramePair {
             + jacobian.angular_a.dot(self.a.angular_velocity)
             + jacobian.angular_b.dot(self.b.angular_velocity)
     }
+}
+
+/// A joint at one moment: its parts, measured at a [`FramePair`].
+pub(crate) trait Composed {
+    /// The free coordinates that the joint reports, rad or m.
+    fn coordinates(&self) -> SmallVec<[f32; 6]>;
+    /// Appends its rows: always as many, in the same order.
+    fn rows(&self, step: &JointStep, out: &mut Vec<RowSpec>);
+    /// How far anchors are from where they must be, m.
+    fn anchor_error(&self) -> f32;
+    /// How far rotations are from where they must be, rad; the worst one.
+    fn angle_error(&self) -> f32;
 }

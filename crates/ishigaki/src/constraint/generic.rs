@@ -8,7 +8,7 @@
 //!
 //! Test: `joint_rows::jacobians_are_derivatives`, `joint_rows::coordinates_are_recovered`.
 
-use crate::constraint::frame::{FramePair, JointStep};
+use crate::constraint::frame::{Composed, FramePair, JointStep};
 use crate::constraint::joint::{Drive, Freedom, TurnAxis};
 use crate::constraint::part::limit_motor::{Coordinate, drive_row_count, middle, violation};
 use crate::constraint::part::point::{Point, displacement};
@@ -16,6 +16,7 @@ use crate::constraint::part::turns::{Turns, first_angles};
 use crate::constraint::row::RowSpec;
 use crate::math::Vec3;
 use arrayvec::ArrayVec;
+use smallvec::SmallVec;
 
 /// What a generic joint's definition says.
 #[derive(Clone, Copy)]
@@ -25,7 +26,8 @@ pub(crate) struct Freedoms<'a> {
 }
 
 /// A generic joint at one moment.
-pub(crate) struct Generic {
+pub(crate) struct Generic<'a> {
+    freedoms: Freedoms<'a>,
     slides: [Coordinate; 3],
     turns: Turns,
     point: Point,
@@ -33,7 +35,7 @@ pub(crate) struct Generic {
 
 impl<'a> Freedoms<'a> {
     /// Free coordinates: linear first.
-    pub fn coordinate_count(self) -> usize {
+    fn coordinate_count(self) -> usize {
         self.slides().count() + self.angular.len().min(3)
     }
 
@@ -56,54 +58,59 @@ impl<'a> Freedoms<'a> {
     }
 
     /// Angles to start from.
-    pub fn first_angles(self, pair: &FramePair) -> ArrayVec<f32, 3> {
+    fn first_angles(self, pair: &FramePair) -> ArrayVec<f32, 3> {
         let middles: ArrayVec<f32, 3> =
             self.angular.iter().take(3).map(|turn| middle(turn.drive.limit.as_ref())).collect();
         first_angles(pair, &self.axes(), &middles)
     }
 }
 
-impl Generic {
-    /// `last`: the last known angles, as many as turning axes.
-    pub fn new(pair: &FramePair, freedoms: Freedoms<'_>, last: &[f32]) -> Self {
-        Self {
-            slides: Vec3::AXES.map(|axis| displacement(pair, pair.frame_a * axis)),
-            turns: Turns::new(pair, &freedoms.axes(), last),
-            point: Point::new(pair),
-        }
+impl<'a> Generic<'a> {
+    /// `last`: the last known coordinates; if they are not of these freedoms (a new joint, an edited one) the angles
+    /// are searched for.
+    pub fn new(pair: &FramePair, freedoms: Freedoms<'a>, last: &[f32]) -> Self {
+        let axes = freedoms.axes();
+        let turns = if last.len() == freedoms.coordinate_count() {
+            Turns::new(pair, &axes, &last[last.len() - axes.len()..])
+        } else {
+            Turns::new(pair, &axes, &freedoms.first_angles(pair))
+        };
+        let slides = Vec3::AXES.map(|axis| displacement(pair, pair.frame_a * axis));
+        Self { freedoms, slides, turns, point: Point::new(pair) }
     }
 
-    /// Values of the free coordinates: linear first.
-    pub fn coordinates(&self, freedoms: Freedoms<'_>) -> impl Iterator<Item = f32> {
-        let slides = freedoms.slides().map(|(i, _)| self.slides[i].value);
-        slides.chain(self.turns.angles.iter().map(|angle| angle.value))
+    fn locked(&self) -> impl Iterator<Item = &Coordinate> {
+        self.slides.iter().zip(self.freedoms.linear).filter(|(_, freedom)| **freedom == Freedom::Locked).map(|(s, _)| s)
+    }
+}
+
+impl Composed for Generic<'_> {
+    fn coordinates(&self) -> SmallVec<[f32; 6]> {
+        let slides = self.freedoms.slides().map(|(i, _)| self.slides[i].value);
+        slides.chain(self.turns.angles.iter().map(|angle| angle.value)).collect()
     }
 
-    pub fn rows(&self, freedoms: Freedoms<'_>, step: &JointStep, out: &mut Vec<RowSpec>) {
-        for (i, drive) in freedoms.slides() {
+    fn rows(&self, step: &JointStep, out: &mut Vec<RowSpec>) {
+        for (i, drive) in self.freedoms.slides() {
             self.slides[i].drive_rows(drive, step, out);
         }
-        for (angle, turn) in self.turns.angles.iter().zip(freedoms.angular) {
+        for (angle, turn) in self.turns.angles.iter().zip(self.freedoms.angular) {
             angle.drive_rows(&turn.drive, step, out);
         }
         self.turns.lock_rows(step, out);
-        if freedoms.slides().next().is_none() {
+        if self.freedoms.slides().next().is_none() {
             self.point.rows(step, out);
         } else {
-            out.extend(self.locked(freedoms).map(|slide| slide.lock_row(0.0, step)));
+            out.extend(self.locked().map(|slide| slide.lock_row(0.0, step)));
         }
     }
 
-    pub fn anchor_error(&self, freedoms: Freedoms<'_>) -> f32 {
-        self.locked(freedoms).map(|slide| slide.value * slide.value).sum::<f32>().sqrt()
+    fn anchor_error(&self) -> f32 {
+        self.locked().map(|slide| slide.value * slide.value).sum::<f32>().sqrt()
     }
 
-    pub fn angle_error(&self, freedoms: Freedoms<'_>) -> f32 {
-        let ranges = self.turns.angles.iter().zip(freedoms.angular);
+    fn angle_error(&self) -> f32 {
+        let ranges = self.turns.angles.iter().zip(self.freedoms.angular);
         ranges.map(|(angle, turn)| violation(angle.value, turn.drive.limit.as_ref())).fold(self.turns.error(), f32::max)
-    }
-
-    fn locked(&self, freedoms: Freedoms<'_>) -> impl Iterator<Item = &Coordinate> {
-        self.slides.iter().zip(freedoms.linear).filter(|(_, freedom)| **freedom == Freedom::Locked).map(|(s, _)| s)
     }
 }

@@ -78,10 +78,39 @@ pub struct TurnAxis {
 }
 
 /// What a joint allows, in the joint's frame (x is the axis of hinges and sliders).
+///
+/// | Kind | Locked | Free | Rows besides drives |
+/// |---|---|---|---|
+/// | ball | point | swing, twist (each may have a range) | 3 |
+/// | hinge | point, axis | angle | 5 |
+/// | slider | rotation, two displacements | displacement | 5 |
+/// | fixed | all | – | 6 |
+/// | distance | – | distance (a range, a spring) | 0 to 2 |
+/// | generic | what is not listed | up to three displacements and three turns | 6 − free |
+///
+/// ```
+/// use ishigaki::{BodyHandle, Drive, Freedom, Joint, Pose, Range, TurnAxis, Vec3};
+/// # let (a, b) = (BodyHandle::from((0, 0)), BodyHandle::from((1, 0)));
+/// // A shoulder: the arm stays within 0.9 rad of the axis and twists by 0.7 rad each way.
+/// let shoulder = Joint::ball_about(a, b, Vec3::ZERO, Vec3::X).cone(0.9).limit(-0.7..=0.7).dry_friction(0.2);
+/// // A car's strut: 20 cm of travel, a spring at its middle.
+/// let strut = Joint::slider(a, b, Vec3::ZERO, Vec3::Y).limit(-0.1..=0.1).spring(0.0, 30e3, 2e3);
+/// // A hip as robots have it: three turns one after the other, each with its own range.
+/// let drive = Drive { limit: Some(Range::from(-0.5..=1.2)), armature: 0.01, ..Drive::default() };
+/// let axes = [Vec3::X, Vec3::Z, Vec3::Y].map(|axis| TurnAxis { axis, drive });
+/// let hip = Joint::generic(a, b, Pose::IDENTITY, [Freedom::Locked; 3], axes.to_vec());
+/// for joint in [shoulder, strut, hip] {
+///     joint.validate()?;
+/// }
+/// # Ok::<(), ishigaki::Error>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
     /// A point in common. TALK B7.
+    ///
+    /// Rotation = twist about x, then swing: the cone bounds the swing in all directions alike, the range the twist.
+    /// A cone of π is none. Past 168° of swing twist has no meaning and its range is enforced less and less.
     Ball {
         /// Greatest angle between the two frames' x axes, rad: the neck does not nod further. TALK B9.
         cone: Option<f32>,
@@ -93,6 +122,8 @@ pub enum JointKind {
         damping: f32,
     },
     /// A point and an axis (x) in common. TALK B8.
+    ///
+    /// The angle counts on beyond ±π. A new hinge starts on the turn nearest to the middle of its range.
     Hinge {
         /// What acts on the angle.
         drive: Drive,
@@ -104,15 +135,21 @@ pub enum JointKind {
     },
     /// No relative motion.
     Fixed,
-    /// The distance of the two anchors is in a range; a rope has lower = 0.
+    /// The distance of the two anchors is in a range; a rope has lower = 0, a rod lower = upper.
+    ///
+    /// With a spring the ends of the range stay hard; a range without ends leaves the spring alone.
     Distance {
         /// m.
         range: Range,
-        /// Soft instead of hard; the target is a length, m.
+        /// Pulls toward a length inside the range; the target is that length, m.
         spring: Option<Spring>,
     },
     /// Any of six coordinates: displacements along A's x, y, z, then up to three turns one after the other,
     /// the first axis fixed to A, the last to B.
+    ///
+    /// An effort on one angle does work on that angle alone. Three turns meet gimbal lock where their axes fall into
+    /// one plane: all stays finite there, but ranges of the outer two mean little; keep the middle one's range clear
+    /// of it.
     Generic {
         /// Along x, y, z of frame A.
         linear: [Freedom; 3],

@@ -4,14 +4,14 @@
 //! with the poses and velocities at the start of the substep, before forces: J is exact there, and the rate an armature
 //! remembers is the one it really had.
 
-use crate::constraint::ball::Ball;
+use crate::constraint::ball::{Ball, BallLimits};
 use crate::constraint::distance::Distance;
 use crate::constraint::fixed::Fixed;
+use crate::constraint::frame::Composed;
 pub use crate::constraint::frame::{BodyFrame, FramePair, JointStep};
 use crate::constraint::generic::{Freedoms, Generic};
 use crate::constraint::hinge::Hinge;
 use crate::constraint::joint::{Joint, JointFrames, JointKind};
-use crate::constraint::part::limit_motor::middle;
 use crate::constraint::row::RowSpec;
 use crate::constraint::slider::Slider;
 use crate::math::{Quat, Vec3};
@@ -91,11 +91,12 @@ impl ResolvedJoint {
         }
     }
 
-    /// Rows that [`Self::rows`] appends: constant until the definition gains or loses a drive, an end of a range, an axis.
+    /// Rows that [`Self::rows`] appends: constant until the definition gains or loses a drive, an end of a range, an
+    /// axis.
     pub fn row_count(&self, kind: &JointKind) -> usize {
         match kind {
             JointKind::Ball { cone, twist, friction, damping } => {
-                Ball { cone: *cone, twist: twist.as_ref(), friction: *friction, damping: *damping }.row_count()
+                BallLimits { cone: *cone, twist: twist.as_ref(), friction: *friction, damping: *damping }.row_count()
             }
             JointKind::Hinge { drive } => Hinge::row_count(drive),
             JointKind::Slider { drive } => Slider::row_count(drive),
@@ -109,108 +110,44 @@ impl ResolvedJoint {
     /// `a`, `b`: at the start of the substep, before forces.
     pub fn rows(&mut self, kind: &JointKind, a: &BodyFrame, b: &BodyFrame, step: &JointStep, out: &mut Vec<RowSpec>) {
         let before = out.len();
-        let pair = self.pair(a, b);
-        match kind {
-            JointKind::Ball { cone, twist, friction, damping } => {
-                self.coordinates.clear();
-                Ball { cone: *cone, twist: twist.as_ref(), friction: *friction, damping: *damping }
-                    .rows(&pair, step, out);
-            }
-            JointKind::Hinge { drive } => {
-                let hinge = Hinge::new(&pair, self.last_angle(kind));
-                self.coordinates = SmallVec::from_slice(&[hinge.turn.value]);
-                hinge.rows(drive, step, out);
-            }
-            JointKind::Slider { drive } => {
-                let slider = Slider::new(&pair);
-                self.coordinates = SmallVec::from_slice(&[slider.slide.value]);
-                slider.rows(drive, step, out);
-            }
-            JointKind::Fixed => {
-                self.coordinates.clear();
-                Fixed::new(&pair).rows(step, out);
-            }
-            JointKind::Distance { range, spring } => {
-                let distance = Distance::new(&pair);
-                self.coordinates = SmallVec::from_slice(&[distance.length.value]);
-                distance.rows(range, spring.as_ref(), step, out);
-            }
-            JointKind::Generic { linear, angular } => {
-                let freedoms = Freedoms { linear, angular };
-                let generic = self.generic(&pair, freedoms);
-                self.coordinates = generic.coordinates(freedoms).collect();
-                generic.rows(freedoms, step, out);
-            }
-        }
+        self.coordinates = self.measure(kind, a, b, |joint| {
+            joint.rows(step, out);
+            joint.coordinates()
+        });
         debug_assert_eq!(out.len() - before, self.row_count(kind), "rows and row_count of {kind:?} disagree");
     }
 
     /// Brings the coordinates to the poses of `a` and `b`; call it at the end of a step.
     pub fn refresh(&mut self, kind: &JointKind, a: &BodyFrame, b: &BodyFrame) {
-        let pair = self.pair(a, b);
-        self.coordinates = match kind {
-            JointKind::Ball { .. } | JointKind::Fixed => SmallVec::new(),
-            JointKind::Hinge { .. } => SmallVec::from_slice(&[Hinge::new(&pair, self.last_angle(kind)).turn.value]),
-            JointKind::Slider { .. } => SmallVec::from_slice(&[Slider::new(&pair).slide.value]),
-            JointKind::Distance { .. } => SmallVec::from_slice(&[Distance::new(&pair).length.value]),
-            JointKind::Generic { linear, angular } => {
-                let freedoms = Freedoms { linear, angular };
-                self.generic(&pair, freedoms).coordinates(freedoms).collect()
-            }
-        };
+        self.coordinates = self.measure(kind, a, b, |joint| joint.coordinates());
     }
 
-    /// Distance of the anchors where they must coincide, m: for a slider across its axis, for a generic joint along its locked
-    /// displacements, for a distance joint how far it is out of its range.
+    /// Distance of the anchors where they must coincide, m: for a slider across its axis, for a generic joint along
+    /// its locked displacements, for a distance joint how far it is out of its range.
     pub fn anchor_error(&self, kind: &JointKind, a: &BodyFrame, b: &BodyFrame) -> f32 {
-        let pair = self.pair(a, b);
-        match kind {
-            JointKind::Ball { cone, twist, friction, damping } => {
-                Ball { cone: *cone, twist: twist.as_ref(), friction: *friction, damping: *damping }.anchor_error(&pair)
-            }
-            JointKind::Hinge { .. } => Hinge::new(&pair, self.last_angle(kind)).anchor_error(),
-            JointKind::Slider { .. } => Slider::new(&pair).anchor_error(),
-            JointKind::Fixed => Fixed::new(&pair).anchor_error(),
-            JointKind::Distance { range, .. } => Distance::new(&pair).anchor_error(range),
-            JointKind::Generic { linear, angular } => {
-                let freedoms = Freedoms { linear, angular };
-                self.generic(&pair, freedoms).anchor_error(freedoms)
-            }
-        }
+        self.measure(kind, a, b, |joint| joint.anchor_error())
     }
 
     /// How far locked rotations, or angles out of their ranges, are off, rad; the worst of them.
     pub fn angle_error(&self, kind: &JointKind, a: &BodyFrame, b: &BodyFrame) -> f32 {
+        self.measure(kind, a, b, |joint| joint.angle_error())
+    }
+
+    /// Composes the joint at the poses of `a` and `b` and asks it something.
+    fn measure<T>(&self, kind: &JointKind, a: &BodyFrame, b: &BodyFrame, ask: impl FnOnce(&dyn Composed) -> T) -> T {
         let pair = self.pair(a, b);
         match kind {
             JointKind::Ball { cone, twist, friction, damping } => {
-                Ball { cone: *cone, twist: twist.as_ref(), friction: *friction, damping: *damping }.angle_error(&pair)
+                let limits = BallLimits { cone: *cone, twist: twist.as_ref(), friction: *friction, damping: *damping };
+                ask(&Ball::new(&pair, limits))
             }
-            JointKind::Hinge { drive } => Hinge::new(&pair, self.last_angle(kind)).angle_error(drive),
-            JointKind::Slider { .. } => Slider::new(&pair).angle_error(),
-            JointKind::Fixed => Fixed::new(&pair).angle_error(),
-            JointKind::Distance { .. } => 0.0,
+            JointKind::Hinge { drive } => ask(&Hinge::new(&pair, drive, self.coordinates.first().copied())),
+            JointKind::Slider { drive } => ask(&Slider::new(&pair, drive)),
+            JointKind::Fixed => ask(&Fixed::new(&pair)),
+            JointKind::Distance { range, spring } => ask(&Distance::new(&pair, range, spring.as_ref())),
             JointKind::Generic { linear, angular } => {
-                let freedoms = Freedoms { linear, angular };
-                self.generic(&pair, freedoms).angle_error(freedoms)
+                ask(&Generic::new(&pair, Freedoms { linear, angular }, &self.coordinates))
             }
-        }
-    }
-
-    /// The hinge's last angle; without one, the middle of its range to count from.
-    fn last_angle(&self, kind: &JointKind) -> f32 {
-        let limit = if let JointKind::Hinge { drive } = kind { drive.limit.as_ref() } else { None };
-        self.coordinates.first().copied().unwrap_or_else(|| middle(limit))
-    }
-
-    fn generic(&self, pair: &FramePair, freedoms: Freedoms<'_>) -> Generic {
-        let turns = freedoms.angular.len().min(3);
-        if self.coordinates.len() == freedoms.coordinate_count() {
-            let first_turn = self.coordinates.len() - turns;
-            Generic::new(pair, freedoms, &self.coordinates[first_turn..])
-        } else {
-            // New, or edited to other freedoms.
-            Generic::new(pair, freedoms, &freedoms.first_angles(pair))
         }
     }
 }

@@ -44,10 +44,8 @@ fn recovery_reduces_errors() {
     ];
     for kind in kinds() {
         // Full drives would fight each other; the locked rows alone are the question here.
-        if let JointKind::Generic { linear, angular } = kind {
-            let linear = linear.map(|f| if f == Freedom::Locked { f } else { Freedom::Free(Drive::default()) });
-            let angular = angular.iter().map(|turn| crate::turn(turn.axis, Drive::default())).collect();
-            locked.push(JointKind::Generic { linear, angular });
+        if matches!(kind, JointKind::Generic { .. }) {
+            locked.push(undriven(kind));
         }
     }
     for kind in locked {
@@ -92,6 +90,55 @@ fn advance(case: &mut Case, masses: [f64; 4], u: &mut Velocities) -> Vec<RowSpec
     case.a = Placed::of(&case.a).moved(u[0], u[1], h).frame();
     case.b = Placed::of(&case.b).moved(u[2], u[3], h).frame();
     rows
+}
+
+/// Two seconds of swinging from a fixed body: joints stay together, and no energy comes out of nothing.
+#[test]
+fn swinging_bodies_stay_joined() {
+    let mut random = Random(18);
+    let h = f64::from(STEP.h);
+    for kind in kinds() {
+        let kind = undriven(kind);
+        let mut case = case(kind, &mut random, 0.0, 0.0);
+        if let JointKind::Distance { range, .. } = &mut case.kind {
+            // A rod as long as the anchors are apart.
+            let length = case.joint.coordinates()[0];
+            *range = (length..=length).into();
+        }
+        let energy = |case: &Case, u: &Velocities| {
+            0.5 * u[2].length_squared() / MASSES[2]
+                + 0.5 * u[3].length_squared() / MASSES[3]
+                + 9.81 * f64::from(case.b.center.y) / MASSES[2]
+        };
+        let masses = [0.0, 0.0, MASSES[2], MASSES[3]];
+        let mut u = [DVec3::ZERO; 4];
+        solve(&case.rows(), masses, &mut u);
+        let start = energy(&case, &u);
+        let (mut anchor, mut angle, mut gain) = (0.0f32, 0.0f32, f64::MIN);
+        for _ in 0..480 {
+            u[2].y -= 9.81 * h;
+            advance(&mut case, masses, &mut u);
+            let [anchor_now, angle_now] = errors(&case);
+            (anchor, angle) = (anchor.max(anchor_now), angle.max(angle_now));
+            gain = gain.max(energy(&case, &u) - start);
+        }
+        println!("anchor {anchor:.1e} m, angle {angle:.1e} rad, energy {gain:+.2} J");
+        assert!(anchor < 0.01 && angle < 0.02 && gain < 1.0, "{anchor} {angle} {gain} in {:?}", case.kind);
+    }
+}
+
+fn undriven(kind: JointKind) -> JointKind {
+    match kind {
+        JointKind::Ball { .. } => JointKind::Ball { cone: None, twist: None, friction: 0.0, damping: 0.0 },
+        JointKind::Hinge { .. } => JointKind::Hinge { drive: Drive::default() },
+        JointKind::Slider { .. } => JointKind::Slider { drive: Drive::default() },
+        JointKind::Fixed => JointKind::Fixed,
+        JointKind::Distance { .. } => JointKind::Distance { range: (0.7..=0.7).into(), spring: None },
+        JointKind::Generic { linear, angular } => JointKind::Generic {
+            linear: linear.map(|f| if f == Freedom::Locked { f } else { Freedom::Free(Drive::default()) }),
+            angular: angular.iter().map(|turn| crate::turn(turn.axis, Drive::default())).collect(),
+        },
+    }
 }
 
 /// A weld that is 170° off turns home the short way, at the rate it should.

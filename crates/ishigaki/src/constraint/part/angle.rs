@@ -1,10 +1,11 @@
 //! No relative rotation: 3 rows. TALK B6.
 //!
 //! The error is the rotation vector e = log(R_Aᵀ R_B), rad. Its exact rate is ė = Jₗ⁻¹(e) R_Aᵀ(ω_B − ω_A), and
-//! Jₗ⁻¹(e)ᵀ = exp(½e) up to |e|²/24: the rows therefore lie along the axes of the frame *halfway* between the two, where J is
-//! the derivative to second order in the error and neither body is preferred. e has the same components in A's, B's and the
-//! halfway frame, so recovery turns B home about e by the shortest way, from 170° as from 1°. The λ turn with the bodies.
-//! With cross products of axes as error (sin instead of angle) a joint turned by more than 90° would be pushed away.
+//! Jₗ⁻¹(e)ᵀ = exp(½e) up to |e|²/24: the rows therefore lie along the axes of the frame *halfway* between the two,
+//! where J is the derivative to second order in the error and neither body is preferred. e has the same components in
+//! A's, B's and the halfway frame, so recovery turns B home about e by the shortest way, from 170° as from 1°. The λ
+//! turn with the bodies. With cross products of axes as error (sin instead of angle) a joint turned by more than 90°
+//! would be pushed away.
 //!
 //! Test: `joint_rows::jacobians_are_derivatives`, `joint_rows::fixed_recovers_from_any_angle`.
 

@@ -1,14 +1,15 @@
 //! An axis in common, and the angle about it. TALK B8.
 //!
 //! a, b: the joint's axis on A and on B, unit, in world. σ: angle between them; n = a×b/sin σ. The error is the vector
-//! e = σ n (rad), the rotation of B relative to A that has turned a into b. Its two components along tangents t₁, t₂ fixed
-//! to A are the rows, so that λ turns with A, as the load of a door does. Turning about b itself leaves b where it is, so J must be ⟂ b:
-//! the row is t' = t turned by the shortest rotation from a to b, w = t'·(ω_A − ω_B). At σ = 0, t' = t.
-//! (ė has t' with a factor σ/sin σ along b×n, where e has no component; it would change the scale of λ, not the solution.)
-//! With t instead of t', or sin σ instead of σ, a hinge opened by 90° would never find back.
+//! e = σ n (rad), the rotation of B relative to A that has turned a into b. Its two components along tangents t₁, t₂
+//! fixed to A are the rows, so that λ turns with A, as the load of a door does. Turning about b itself leaves b where
+//! it is, so J must be ⟂ b: the row is t' = t turned by the shortest rotation from a to b, w = t'·(ω_A − ω_B). At σ =
+//! 0, t' = t. (ė has t' with a factor σ/sin σ along b×n, where e has no component; it would change the scale of λ,
+//! not the solution.) With t instead of t', or sin σ instead of σ, a hinge opened by 90° would never find back.
 //!
 //! The angle about the axis is the twist of R_rel = swing · twist: θ = 2 atan2(q·axis, q_w), with the exact rate
-//! θ̇ = g·(ω_B − ω_A), g = (a + b)/(1 + a·b), of length 1/cos(σ/2). g is bounded for σ > 168°, where twist loses its meaning.
+//! θ̇ = g·(ω_B − ω_A), g = (a + b)/(1 + a·b), of length 1/cos(σ/2). g is bounded for σ > 168°, where twist loses its
+//! meaning.
 //!
 //! Test: `joint_rows::jacobians_are_derivatives`, `joint_rows::axis_recovers_from_any_angle`.
 

@@ -1,8 +1,8 @@
 //! What acts on one coordinate of a joint: range, motor, dry friction, spring. TALK B9.
 //!
 //! q: an angle (rad) or a length (m), of B relative to A; q̇ = J u; effort Q (N·m or N), λ = h Q per substep h.
-//! * range: each end is an inequality, C = q − lower or upper − q: inside, Ċ + C/h ≥ 0 (it may arrive, not cross); outside
-//!   Ċ + βC/h ≥ 0; λ ∈ [0, ∞). Rows are there inside too: the count does not change and λ stays with its row.
+//! * range: each end is an inequality, C = q − lower or upper − q: inside, Ċ + C/h ≥ 0 (it may arrive, not cross);
+//!   outside Ċ + βC/h ≥ 0; λ ∈ [0, ∞). Rows are there inside too: the count does not change and λ stays with its row.
 //! * motor: q̇ = speed, |λ| ≤ h·max_effort; dry friction: the same with speed 0.
 //! * passive: spring k, damping d, armature m in one soft row, all implicit. With q̇ at the end of the substep,
 //!   λ = −[m(q̇ − q̇₀) + h d q̇ + h k(q + h q̇ − target)]; with K = m + h d + h² k this is

@@ -1,13 +1,14 @@
 //! A point in common, or a point on a line or plane. TALK B5, B7.
 //!
 //! With p the anchors in world, C = p_A − p_B = 0 (3 rows, m). Along a fixed world axis e,
-//! Ċ = e·(v_A + ω_A×r_A − v_B − ω_B×r_B): [`Jacobian::point`]. The three rows lie along the *world* axes: the three λ are
-//! then one force in world, and what a joint carries is mostly weight, whose direction does not turn with the bodies; so
-//! last substep's λ is the best first guess (D4).
+//! Ċ = e·(v_A + ω_A×r_A − v_B − ω_B×r_B): [`Jacobian::point`]. The three rows lie along the *world* axes: the three λ
+//! are then one force in world, and what a joint carries is mostly weight, whose direction does not turn with the
+//! bodies; so last substep's λ is the best first guess (D4).
 //!
 //! Along an axis e fixed to A, s = e·(p_B − p_A) also changes because e turns:
-//! ṡ = e·(v_B + ω_B×r_B − v_A − ω_A×(r_A + p_B − p_A)). The arm of A reaches to the anchor of **B**. With A's own anchor as arm
-//! a long slider would gain angular momentum out of nothing, for the two forces would not be on one line.
+//! ṡ = e·(v_B + ω_B×r_B − v_A − ω_A×(r_A + p_B − p_A)). The arm of A reaches to the anchor of **B**. With A's own
+//! anchor as arm a long slider would gain angular momentum out of nothing, for the two forces would not be on one
+//! line.
 //!
 //! Test: `joint_rows::jacobians_are_derivatives`, `joint_rows::rows_conserve_momentum`.
 

@@ -1,13 +1,15 @@
 //! Up to three turns one after the other, as coordinates carried from substep to substep. TALK B8, B9.
 //!
-//! R_rel = Rot(a₁, θ₁)…Rot(a_k, θ_k). Current axes in A's frame: wᵢ = Rot(a₁, θ₁)…Rot(aᵢ₋₁, θᵢ₋₁) aᵢ; ω_B − ω_A = Σ θ̇ᵢ wᵢ.
-//! Rates: θ̇ᵢ = gᵢ·(ω_B − ω_A) with the dual basis gᵢ·wⱼ = δᵢⱼ (for k = 2 completed by n = w₁×w₂/|w₁×w₂|). An effort on θᵢ acts along gᵢ, not
-//! along the hinge's own axis wᵢ, so that it does work on θᵢ alone; for perpendicular axes they are the same.
-//! * k = 0: rotation lock. k = 1: axis and twist. k = 2: angle between a₁ and R_rel a₂ locked, which leaves 1 row along n; both θ in closed form.
-//! * k = 3: nothing locked; θ follows by Newton's method from its last value, δ = log(R_rel Pᵀ), Δθᵢ = gᵢ·δ: measured against the
-//!   poses each time, so no drift, and continuous beyond ±π. Where the axes fall into one plane (gimbal lock) g would be
-//!   infinite: it becomes the damped least-squares inverse, and efforts stay bounded.
-//!   Axes that are not perpendicular cannot reach every orientation; the border is such a place, and is not defended.
+//! R_rel = Rot(a₁, θ₁)…Rot(a_k, θ_k). Current axes in A's frame: wᵢ = Rot(a₁, θ₁)…Rot(aᵢ₋₁, θᵢ₋₁) aᵢ; ω_B − ω_A = Σ
+//! θ̇ᵢ wᵢ. Rates: θ̇ᵢ = gᵢ·(ω_B − ω_A) with the dual basis gᵢ·wⱼ = δᵢⱼ (for k = 2 completed by n = w₁×w₂/|w₁×w₂|). An
+//! effort on θᵢ acts along gᵢ, not along the hinge's own axis wᵢ, so that it does work on θᵢ alone; for perpendicular
+//! axes they are the same.
+//! * k = 0: rotation lock. k = 1: axis and twist. k = 2: angle between a₁ and R_rel a₂ locked, which leaves 1 row
+//!   along n; both θ in closed form.
+//! * k = 3: nothing locked; θ follows by Newton's method from its last value, δ = log(R_rel Pᵀ), Δθᵢ = gᵢ·δ: measured
+//!   against the poses each time, so no drift, and continuous beyond ±π. Where the axes fall into one plane (gimbal
+//!   lock) g would be infinite: it becomes the damped least-squares inverse, and efforts stay bounded. Axes that are
+//!   not perpendicular cannot reach every orientation; the border is such a place, and is not defended.
 //!
 //! Test: `joint_rows::dual_basis`, `joint_rows::coordinates_are_recovered`, `joint_rows::gimbal_lock_is_finite`.
 
@@ -101,7 +103,7 @@ pub fn first_angles(pair: &FramePair, axes: &[Vec3], middles: &[f32]) -> ArrayVe
     Turns::new(pair, axes, middles).angles.iter().map(|angle| angle.value).collect()
 }
 
-/// The basis g with gᵢ·wⱼ = δᵢⱼ; damped where the volume of w is below [`LEAST_VOLUME`].
+/// The basis g with gᵢ·wⱼ = δᵢⱼ; damped where the volume of w is below `LEAST_VOLUME`.
 pub fn dual(w: [Vec3; 3]) -> [Vec3; 3] {
     let crosses = [w[1].cross(w[2]), w[2].cross(w[0]), w[0].cross(w[1])];
     let volume = w[0].dot(crosses[0]);
