@@ -12,9 +12,11 @@
 pub mod error;
 pub mod file;
 pub mod measure;
+pub mod named;
 pub mod options;
 
 pub use error::{Result, SceneError};
 pub use file::{Scene, SceneFile, scene_schema};
 pub use measure::{Measure, Meter};
+pub use named::{Parameter, SceneInfo, list, named};
 pub use options::{list_options, set_option};

@@ -144,3 +144,21 @@ fn edge(shape: &Shape) -> Option<f32> {
         Geometry::HalfSpace { .. } | Geometry::TriangleMesh(_) | Geometry::HeightField(_) => None,
     }
 }
+
+/// Mean normal force of all contacts on a body over the last step of length `dt`, world, N: what a scale reads.
+pub fn contact_force(world: &World, body: BodyHandle, dt: f32) -> Vec3 {
+    let mut impulse = Vec3::ZERO;
+    for contact in world.contacts() {
+        // The normal points from B to A: A is pushed along it, B against it.
+        let sign = match (contact.a.body == body, contact.b.body == body) {
+            (true, false) => 1.0,
+            (false, true) => -1.0,
+            _ => continue,
+        };
+        for manifold in contact.manifolds {
+            let sum: f32 = manifold.points.iter().map(|p| p.impulse).sum();
+            impulse += sign * sum * manifold.normal;
+        }
+    }
+    impulse / dt
+}
