@@ -1,9 +1,10 @@
 //! Bodies: the definition a user writes, and the state the engine keeps.
 
+use crate::constraint::joint_rows::BodyFrame;
 use crate::error::{Error, Result, finite_vector, not_negative, positive};
 use crate::handle::BodyHandle;
 use crate::mass::MassProperties;
-use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal};
+use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal, vector_from_rotation};
 use crate::shape::{Geometry, HUGE_LENGTH, Shape};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -339,6 +340,12 @@ pub struct BodyState {
     pub(crate) shapes: SmallVec<[u32; 2]>,
     /// Origin at the start of the last step, for interpolation.
     pub(crate) previous_pose: Pose,
+    /// The velocity came from a kinematic target, so it ends with the step.
+    pub(crate) target_driven: bool,
+    /// Takes no part because its numbers are not finite.
+    pub(crate) broken: bool,
+    /// Contacts that carry more are reported, N.
+    pub(crate) force_threshold: Option<f32>,
     pub(crate) asleep: bool,
     /// How long it has been slow enough to sleep, s.
     pub(crate) rest_time: f32,
@@ -446,6 +453,127 @@ impl BodyState {
         )
     }
 
+    /// The state of a definition that has been validated; `shapes` laid out flat.
+    pub(crate) fn new(body: &Body, shapes: &[Shape]) -> Result<Self> {
+        let mass = match body.mass {
+            MassSource::Shapes => MassProperties::of_shapes(shapes),
+            MassSource::Mass(mass) => {
+                let of_shapes = MassProperties::of_shapes(shapes);
+                if of_shapes.mass > 0.0 {
+                    of_shapes.with_mass(mass)
+                } else {
+                    let unit: Vec<Shape> =
+                        shapes.iter().filter(|s| !s.sensor).map(|s| s.clone().density(1.0)).collect();
+                    MassProperties::of_shapes(&unit).with_mass(mass)
+                }
+            }
+            MassSource::Explicit(properties) => properties,
+        };
+        let dynamic = body.kind == BodyKind::Dynamic;
+        if dynamic {
+            mass.validate().map_err(|e| {
+                let message = "a dynamic body needs mass and inertia: give it a solid shape with density > 0, or explicit mass properties";
+                Error::invalid("mass", format!("{message} ({e})"))
+            })?;
+        }
+        let rotation = body.pose.rotation.normalize();
+        let invert = |i: f32| if dynamic && i > 0.0 { 1.0 / i } else { 0.0 };
+        let inverse_inertia = Vec3::from_array(mass.principal_inertia.to_array().map(invert));
+        let inverse_mass = if dynamic { 1.0 / mass.mass } else { 0.0 };
+        if !(inverse_mass.is_finite() && inverse_inertia.is_finite()) {
+            return Err(Error::invalid("mass", format!("too small to be inverted: {} kg", mass.mass)));
+        }
+        let mut state = Self {
+            kind: body.kind,
+            name: body.name.clone().into_boxed_str(),
+            center: body.pose.translation + rotation * mass.center,
+            rotation,
+            velocity: if body.kind == BodyKind::Fixed { Vec3::ZERO } else { body.velocity },
+            angular_velocity: if body.kind == BodyKind::Fixed { Vec3::ZERO } else { body.angular_velocity },
+            angular_momentum: Vec3::ZERO,
+            mass,
+            inverse_mass,
+            inverse_principal_inertia: inverse_inertia,
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            gravity_scale: body.gravity_scale,
+            linear_damping: body.linear_damping,
+            angular_damping: body.angular_damping,
+            locked_translation: body.locked_translation,
+            locked_rotation: body.locked_rotation,
+            continuous: body.continuous,
+            can_sleep: body.can_sleep,
+            kinematic_target: None,
+            shapes: SmallVec::new(),
+            previous_pose: Pose::from_parts(body.pose.translation, rotation),
+            target_driven: false,
+            broken: false,
+            force_threshold: None,
+            asleep: false,
+            rest_time: 0.0,
+            rest_steps: 0,
+            height: NO_HEIGHT,
+            island: 0,
+        };
+        state.velocity *= unlocked(state.locked_translation);
+        state.angular_velocity *= unlocked(state.locked_rotation);
+        state.angular_momentum = state.inertia_world() * state.angular_velocity;
+        Ok(state)
+    }
+
+    /// Awake, and not at rest for either kind of sleep; numbers are looked at again.
+    pub(crate) fn wake(&mut self) {
+        self.asleep = false;
+        self.rest_time = 0.0;
+        self.rest_steps = 0;
+    }
+
+    pub(crate) fn put_to_sleep(&mut self) {
+        self.asleep = true;
+        self.velocity = Vec3::ZERO;
+        self.angular_velocity = Vec3::ZERO;
+        self.angular_momentum = Vec3::ZERO;
+    }
+
+    pub(crate) fn frame(&self) -> BodyFrame {
+        BodyFrame {
+            center: self.center,
+            rotation: self.rotation,
+            velocity: self.velocity,
+            angular_velocity: self.angular_velocity,
+        }
+    }
+
+    /// Gives a kinematic body the velocity that takes it to its target; without a new one it stops.
+    pub(crate) fn aim_at_target(&mut self, dt: f32) {
+        if let Some(target) = self.kinematic_target {
+            let center = target.translation + target.rotation * self.mass.center;
+            self.velocity = (center - self.center) / dt;
+            self.angular_velocity = vector_from_rotation(target.rotation * self.rotation.conjugate()) / dt;
+        } else if self.target_driven {
+            self.target_driven = false;
+            self.velocity = Vec3::ZERO;
+            self.angular_velocity = Vec3::ZERO;
+        }
+    }
+
+    /// Whether the solver moves it in this step.
+    pub(crate) fn is_active(&self) -> bool {
+        self.kind == BodyKind::Dynamic && !self.asleep && !self.broken
+    }
+
+    /// Whether its surface may move without being pushed.
+    pub(crate) fn is_moving_kinematic(&self) -> bool {
+        self.kind == BodyKind::Kinematic
+            && !self.broken
+            && (self.kinematic_target.is_some()
+                || !self.target_driven && (self.velocity != Vec3::ZERO || self.angular_velocity != Vec3::ZERO))
+    }
+
+    pub(crate) fn has_locked_rotation(&self) -> bool {
+        self.locked_rotation.contains(&true)
+    }
+
     pub(crate) fn is_dynamic(&self) -> bool {
         self.kind == BodyKind::Dynamic
     }
@@ -501,12 +629,34 @@ pub(crate) struct ShapeState {
     pub center_from_shape: Pose,
     /// Radius of the largest ball about its centroid inside it, m: what sweeping compares motion with.
     pub inner_radius: f32,
+    /// It was placed by its user, or may touch others now: its pairs are found anew.
+    pub moved: bool,
     /// Fat bounds in the broad phase.
     pub bounds_min: Vec3,
     pub bounds_max: Vec3,
 }
 
 impl ShapeState {
+    pub fn new(body: u32, ordinal: u32, shape: Shape, state: &BodyState) -> Self {
+        let center_from_shape =
+            Pose::from_parts(shape.pose.translation - state.mass.center, shape.pose.rotation.normalize());
+        Self {
+            body,
+            ordinal,
+            inner_radius: shape.geometry.inner_radius(),
+            center_from_shape,
+            shape,
+            moved: true,
+            bounds_min: Vec3::ZERO,
+            bounds_max: Vec3::ZERO,
+        }
+    }
+
+    /// Bounds without any margin, world.
+    pub fn tight_bounds(&self, body: &BodyState) -> (Vec3, Vec3) {
+        self.shape.geometry.bounds(&self.world_from_shape(body))
+    }
+
     pub fn world_from_shape(&self, body: &BodyState) -> Pose {
         Pose::from_parts(body.center, body.rotation) * self.center_from_shape
     }

@@ -8,15 +8,22 @@
 pub mod body;
 pub mod collision;
 pub mod constraint;
+mod edit;
 pub mod error;
 pub mod event;
 pub mod handle;
+pub mod hooks;
+mod island;
 pub mod mass;
 pub mod math;
+mod measure;
 pub mod motion;
 pub mod options;
 pub mod report;
 pub mod shape;
+mod snapshot;
+pub mod solver;
+mod step;
 pub mod world;
 
 pub use body::{Body, BodyKind, BodyState, MassSource, NO_HEIGHT, ShapeId};
@@ -24,6 +31,7 @@ pub use constraint::joint::{Drive, Freedom, Joint, JointFrames, JointKind, Motor
 pub use error::{Error, Result};
 pub use event::Event;
 pub use handle::{BodyHandle, JointHandle};
+pub use hooks::{ContactHooks, PairView, StepContext};
 pub use mass::MassProperties;
 pub use math::{Mat3, Pose, Quat, Vec3};
 pub use options::*;

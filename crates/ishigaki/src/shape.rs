@@ -323,7 +323,7 @@ impl Shape {
 }
 
 impl Material {
-    fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         not_negative("friction", self.friction)?;
         not_negative("torsional_friction", self.torsional_friction)?;
         not_negative("rolling_friction", self.rolling_friction)?;

@@ -1,38 +1,67 @@
 //! The world: owns all state.
 
 use crate::body::{Body, BodyState, ShapeId, ShapeState};
+use crate::collision::broad_phase::BroadPhase;
 use crate::collision::manifold::{Contact, Manifold};
 use crate::constraint::joint::Joint;
-use crate::error::Result;
+use crate::constraint::joint_rows::ResolvedJoint;
+use crate::error::{Error, Result};
 use crate::event::Event;
 use crate::handle::{Arena, BodyHandle, JointHandle};
 use crate::math::{Pose, Vec3};
 use crate::options::WorldOptions;
 use crate::report::StepReport;
 use crate::shape::Shape;
+use crate::solver::permutation::Random;
+use crate::step::Scratch;
 use serde::{Deserialize, Serialize};
+use smallvec::{SmallVec, smallvec};
 
 /// All bodies, shapes, joints and contacts, and what is remembered between steps.
+///
+/// `Clone` and serialisable: a restored world continues bit for bit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct World {
     pub(crate) options: WorldOptions,
     pub(crate) bodies: Arena<BodyState>,
     pub(crate) shapes: Arena<ShapeState>,
     pub(crate) joints: Arena<JointState>,
-    /// Sorted by (shape_a, shape_b).
+    /// Pairs whose bounds overlap, sorted by (shape_a, shape_b).
     pub(crate) contacts: Vec<Contact>,
+    /// Pairs of bodies that never touch because the user said so; sorted, each (low slot, high slot).
+    pub(crate) excluded: Vec<(u32, u32)>,
+    /// Pairs of bodies that never touch because a joint says so; sorted.
+    pub(crate) jointed: Vec<(u32, u32)>,
     pub(crate) events: Vec<Event>,
+    /// Events of edits between steps, reported with the next step.
+    pub(crate) pending_events: Vec<Event>,
     pub(crate) report: StepReport,
+    pub(crate) random: Random,
+    /// Length of the last substep, s: impulses are scaled when it changes.
+    pub(crate) last_substep: f32,
     /// Steps taken.
     pub(crate) step_count: u64,
     /// Sum of all Δt, s.
     pub(crate) time: f64,
+    /// Rebuilt from the shapes' bounds after restoring.
+    #[serde(skip)]
+    pub(crate) broad_phase: BroadPhase,
+    /// Arrays that are used again in each step; nothing in them outlives a step.
+    #[serde(skip)]
+    pub(crate) scratch: Scratch,
 }
 
 /// The state of a joint in a world.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct JointState {
     pub(crate) definition: Joint,
+    pub(crate) resolved: ResolvedJoint,
+    /// Impulses of the last substep, one for each row: the warm start.
+    pub(crate) lambdas: SmallVec<[f32; 6]>,
+    /// Mean over the last step, world, N and N·m on A.
+    pub(crate) force: Vec3,
+    pub(crate) torque: Vec3,
+    pub(crate) anchor_error: f32,
 }
 
 impl JointState {
@@ -43,23 +72,23 @@ impl JointState {
 
     /// Mean force on body A over the last step, world, N.
     pub fn force(&self) -> Vec3 {
-        todo!()
+        self.force
     }
 
-    /// Mean torque on body A at the anchor over the last step, world, N·m.
+    /// Mean torque on body A about the anchor over the last step, world, N·m.
     pub fn torque(&self) -> Vec3 {
-        todo!()
+        self.torque
     }
 
     /// Coordinates: angle (hinge, rad), displacement (slider, m), distance (m), or the generic joint's free
-    /// coordinates, linear first; empty for ball and fixed joints.
+    /// coordinates, linear first; empty for fixed joints.
     pub fn coordinates(&self) -> &[f32] {
-        todo!()
+        self.resolved.coordinates()
     }
 
-    /// Distance between the two anchors where they should coincide, m.
+    /// Distance between the two anchors where they should coincide, at the end of the last step, m.
     pub fn anchor_error(&self) -> f32 {
-        todo!()
+        self.anchor_error
     }
 }
 
@@ -80,9 +109,36 @@ pub struct ContactView<'a> {
     pub manifolds: &'a [Manifold],
 }
 
-/// A body that is being edited: the body is awake afterwards.
+/// A body that is being edited: it is awake afterwards, and its contacts are found anew.
+#[derive(Debug)]
 pub struct BodyMut<'a> {
     pub(crate) body: &'a mut BodyState,
+    pub(crate) shapes: &'a mut Arena<ShapeState>,
+}
+
+impl Default for World {
+    /// An empty world with default options.
+    fn default() -> Self {
+        let options = WorldOptions::default();
+        Self {
+            random: Random(options.seed),
+            options,
+            bodies: Arena::default(),
+            shapes: Arena::default(),
+            joints: Arena::default(),
+            contacts: Vec::new(),
+            excluded: Vec::new(),
+            jointed: Vec::new(),
+            events: Vec::new(),
+            pending_events: Vec::new(),
+            report: StepReport::default(),
+            last_substep: 0.0,
+            step_count: 0,
+            time: 0.0,
+            broad_phase: BroadPhase::default(),
+            scratch: Scratch::default(),
+        }
+    }
 }
 
 impl World {
@@ -91,8 +147,8 @@ impl World {
     /// # Errors
     /// An option that is not finite or out of its range.
     pub fn new(options: WorldOptions) -> Result<Self> {
-        let _ = options;
-        todo!()
+        options.validate()?;
+        Ok(Self { random: Random(options.seed), options, ..Self::default() })
     }
 
     /// The options.
@@ -100,13 +156,20 @@ impl World {
         &self.options
     }
 
-    /// Changes the options; wakes everything.
+    /// Changes the options; wakes everything. A new seed starts the random order anew.
     ///
     /// # Errors
     /// An option that is not finite or out of its range; the old options stay.
     pub fn set_options(&mut self, options: WorldOptions) -> Result<()> {
-        let _ = options;
-        todo!()
+        options.validate()?;
+        if options.seed != self.options.seed {
+            self.random = Random(options.seed);
+        }
+        self.options = options;
+        for (_, body) in self.bodies.iter_mut() {
+            body.wake();
+        }
+        Ok(())
     }
 
     /// Adds a body.
@@ -114,8 +177,10 @@ impl World {
     /// # Errors
     /// A definition that makes no sense; nothing is added.
     pub fn add_body(&mut self, body: Body) -> Result<BodyHandle> {
-        let _ = body;
-        todo!()
+        body.validate()?;
+        let shapes = body.flat_shapes();
+        let state = BodyState::new(&body, &shapes)?;
+        Ok(self.insert_body(state, shapes))
     }
 
     /// Adds many bodies, or none if one of them is bad.
@@ -123,14 +188,67 @@ impl World {
     /// # Errors
     /// The first definition that makes no sense, its place prefixed with `bodies[i]`.
     pub fn add_bodies(&mut self, bodies: Vec<Body>) -> Result<Vec<BodyHandle>> {
-        let _ = bodies;
-        todo!()
+        let mut states = Vec::with_capacity(bodies.len());
+        for (i, body) in bodies.iter().enumerate() {
+            let named = |e: Error| e.within(&format!("bodies[{i}]"));
+            body.validate().map_err(named)?;
+            let shapes = body.flat_shapes();
+            states.push((BodyState::new(body, &shapes).map_err(named)?, shapes));
+        }
+        Ok(states.into_iter().map(|(state, shapes)| self.insert_body(state, shapes)).collect())
     }
 
-    /// Removes a body with its shapes, contacts and joints; `false` if the handle is stale.
+    fn insert_body(&mut self, state: BodyState, shapes: Vec<Shape>) -> BodyHandle {
+        let handle = BodyHandle::from(self.bodies.insert(state));
+        let index = handle.index;
+        for (ordinal, shape) in shapes.into_iter().enumerate() {
+            let body = self.bodies.at(index);
+            let shape_state = ShapeState::new(index, ordinal as u32, shape, body);
+            let (min, max) = shape_state.tight_bounds(body);
+            let (slot, _) = self.shapes.insert(ShapeState { bounds_min: min, bounds_max: max, ..shape_state });
+            self.broad_phase.insert(slot, min, max);
+            self.bodies.at_mut(index).shapes.push(slot);
+        }
+        handle
+    }
+
+    /// Removes a body with its shapes, contacts and joints; wakes what it touched. `false` if the handle is stale.
     pub fn remove_body(&mut self, handle: BodyHandle) -> bool {
-        let _ = handle;
-        todo!()
+        if self.bodies.get(handle.into()).is_none() {
+            return false;
+        }
+        let index = handle.index;
+        let mut ended = Vec::new();
+        for contact in &self.contacts {
+            if contact.body_a == index || contact.body_b == index {
+                let other = if contact.body_a == index { contact.body_b } else { contact.body_a };
+                self.bodies.at_mut(other).wake();
+                if contact.touching {
+                    ended.push((contact.shape_a, contact.shape_b, contact.sensor));
+                }
+            }
+        }
+        for (a, b, sensor) in ended {
+            let event = self.touch_event(a, b, sensor, false);
+            self.pending_events.push(event);
+        }
+        self.contacts.retain(|c| c.body_a != index && c.body_b != index);
+        self.excluded.retain(|&(a, b)| a != index && b != index);
+        let jointed: Vec<_> = self
+            .joints()
+            .filter(|(_, j)| j.definition.body_a == handle || j.definition.body_b == handle)
+            .map(|(h, _)| h)
+            .collect();
+        for joint in jointed {
+            self.remove_joint(joint);
+        }
+        let body = self.bodies.remove(handle.into()).expect("checked above");
+        for slot in body.shapes {
+            let generation = self.shapes.generation_at(slot);
+            self.shapes.remove((slot, generation));
+            self.broad_phase.remove(slot);
+        }
+        true
     }
 
     /// A body, unless the handle is stale.
@@ -140,8 +258,9 @@ impl World {
 
     /// A body to be edited, unless the handle is stale. Its island wakes.
     pub fn body_mut(&mut self, handle: BodyHandle) -> Option<BodyMut<'_>> {
-        let _ = handle;
-        todo!()
+        let body = self.bodies.get_mut(handle.into())?;
+        body.wake();
+        Some(BodyMut { body, shapes: &mut self.shapes })
     }
 
     /// All bodies in slot order.
@@ -149,6 +268,10 @@ impl World {
         self.bodies
             .iter()
             .map(|(index, body)| (BodyHandle { index, generation: self.bodies.generation_at(index) }, body))
+    }
+
+    pub(crate) fn body_handle(&self, index: u32) -> BodyHandle {
+        BodyHandle { index, generation: self.bodies.generation_at(index) }
     }
 
     /// The shapes of a body (compounds laid out flat), each with its pose in the world.
@@ -163,28 +286,120 @@ impl World {
         })
     }
 
-    /// Adds a joint.
+    /// Two bodies never touch from now on.
+    ///
+    /// # Errors
+    /// A stale handle.
+    pub fn exclude_pair(&mut self, a: BodyHandle, b: BodyHandle) -> Result<()> {
+        let pair = self.checked_pair(a, b)?;
+        if let Err(place) = self.excluded.binary_search(&pair) {
+            self.excluded.insert(place, pair);
+            self.drop_forbidden_pairs();
+        }
+        Ok(())
+    }
+
+    /// Two bodies may touch again.
+    ///
+    /// # Errors
+    /// A stale handle.
+    pub fn include_pair(&mut self, a: BodyHandle, b: BodyHandle) -> Result<()> {
+        let pair = self.checked_pair(a, b)?;
+        if let Ok(place) = self.excluded.binary_search(&pair) {
+            self.excluded.remove(place);
+            // Bounds that overlap already are not reported again: touch both shapes.
+            for index in [pair.0, pair.1] {
+                for &slot in &self.bodies.at(index).shapes {
+                    self.shapes.at_mut(slot).moved = true;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn checked_pair(&mut self, a: BodyHandle, b: BodyHandle) -> Result<(u32, u32)> {
+        for (place, handle) in [("body_a", a), ("body_b", b)] {
+            self.bodies.get_mut(handle.into()).ok_or_else(|| Error::Stale { place: place.into() })?.wake();
+        }
+        Ok((a.index.min(b.index), a.index.max(b.index)))
+    }
+
+    /// Adds a joint; wakes both bodies.
     ///
     /// # Errors
     /// A definition that makes no sense, a stale handle; nothing is added.
     pub fn add_joint(&mut self, joint: Joint) -> Result<JointHandle> {
-        let _ = joint;
-        todo!()
+        joint.validate()?;
+        self.checked_pair(joint.body_a, joint.body_b)?;
+        let (a, b) = (self.bodies.at(joint.body_a.index), self.bodies.at(joint.body_b.index));
+        let resolved = ResolvedJoint::new(&joint, &a.frame(), a.mass.center, &b.frame(), b.mass.center);
+        let rows = resolved.row_count(&joint.kind);
+        let state = JointState {
+            resolved,
+            lambdas: smallvec![0.0; rows],
+            force: Vec3::ZERO,
+            torque: Vec3::ZERO,
+            anchor_error: 0.0,
+            definition: joint,
+        };
+        let handle = JointHandle::from(self.joints.insert(state));
+        self.collect_jointed_pairs();
+        Ok(handle)
     }
 
-    /// Changes what a joint allows (limits, motors, springs); the kind of joint stays. Wakes both bodies.
+    /// Changes what a joint allows (limits, motors, springs …); its bodies and frames stay. Wakes both bodies.
     ///
     /// # Errors
-    /// A definition that makes no sense, a stale handle; nothing changes.
+    /// A definition that makes no sense, another kind of joint, a stale handle; nothing changes.
     pub fn edit_joint(&mut self, handle: JointHandle, edit: impl FnOnce(&mut Joint)) -> Result<()> {
-        let _ = (handle, edit);
-        todo!()
+        let stale = || Error::Stale { place: "joint".into() };
+        let old = &self.joints.get(handle.into()).ok_or_else(stale)?.definition;
+        let mut joint = old.clone();
+        edit(&mut joint);
+        joint.validate()?;
+        if std::mem::discriminant(&joint.kind) != std::mem::discriminant(&old.kind) {
+            return Err(Error::invalid("kind", "cannot change: remove the joint and add another"));
+        }
+        (joint.body_a, joint.body_b, joint.frames) = (old.body_a, old.body_b, old.frames);
+        self.checked_pair(joint.body_a, joint.body_b)?;
+        let state = self.joints.get_mut(handle.into()).ok_or_else(stale)?;
+        let rows = state.resolved.row_count(&joint.kind);
+        if rows != state.lambdas.len() {
+            // Rows mean something else now: a warm start would push the wrong way.
+            state.lambdas = smallvec![0.0; rows];
+        }
+        state.definition = joint;
+        self.collect_jointed_pairs();
+        Ok(())
     }
 
-    /// Removes a joint; `false` if the handle is stale.
+    /// Removes a joint; wakes both bodies. `false` if the handle is stale.
     pub fn remove_joint(&mut self, handle: JointHandle) -> bool {
-        let _ = handle;
-        todo!()
+        let Some(joint) = self.joints.remove(handle.into()) else { return false };
+        for body in [joint.definition.body_a, joint.definition.body_b] {
+            if let Some(body) = self.bodies.get_mut(body.into()) {
+                body.wake();
+                // The two may touch now: find their pairs anew.
+                for &slot in &body.shapes {
+                    self.shapes.at_mut(slot).moved = true;
+                }
+            }
+        }
+        self.collect_jointed_pairs();
+        true
+    }
+
+    fn collect_jointed_pairs(&mut self) {
+        self.jointed.clear();
+        for (_, joint) in self.joints.iter() {
+            let Joint { body_a, body_b, collide, .. } = joint.definition;
+            if !collide {
+                self.jointed.push((body_a.index.min(body_b.index), body_a.index.max(body_b.index)));
+            }
+        }
+        self.jointed.sort_unstable();
+        self.jointed.dedup();
+        self.drop_forbidden_pairs();
     }
 
     /// A joint, unless the handle is stale.
@@ -201,33 +416,22 @@ impl World {
 
     /// Pairs with contact points, in a fixed order.
     pub fn contacts(&self) -> impl Iterator<Item = ContactView<'_>> {
-        self.contacts.iter().filter(|c| c.touching && !c.sensor).map(|c| self.view(c))
-    }
-
-    fn view<'a>(&self, c: &'a Contact) -> ContactView<'a> {
-        ContactView {
+        self.contacts.iter().filter(|c| c.touching && !c.sensor).map(|c| ContactView {
             a: self.shape_id(c.shape_a),
             b: self.shape_id(c.shape_b),
             friction: c.friction,
             restitution: c.restitution,
             frozen: c.is_frozen(),
             manifolds: &c.manifolds,
-        }
+        })
     }
 
     pub(crate) fn shape_id(&self, slot: u32) -> ShapeId {
         let shape = self.shapes.at(slot);
-        let body = BodyHandle { index: shape.body, generation: self.bodies.generation_at(shape.body) };
-        ShapeId { body, ordinal: shape.ordinal }
+        ShapeId { body: self.body_handle(shape.body), ordinal: shape.ordinal }
     }
 
-    /// Advances by `dt` seconds. Never fails: the report says what happened.
-    pub fn step(&mut self, dt: f32) -> StepReport {
-        let _ = dt;
-        todo!()
-    }
-
-    /// What happened in the last step.
+    /// What happened in the last step, and through edits since the step before.
     pub fn events(&self) -> &[Event] {
         &self.events
     }
@@ -247,126 +451,15 @@ impl World {
         self.time
     }
 
-    /// A hash of all poses and velocities: equal states have equal hashes.
-    pub fn state_hash(&self) -> u64 {
-        todo!()
-    }
-
-    /// All state as bytes, with a version and a checksum.
-    pub fn snapshot(&self) -> Vec<u8> {
-        todo!()
-    }
-
-    /// The world of a snapshot; it continues bit for bit.
-    ///
-    /// # Errors
-    /// Bytes that are no snapshot, are damaged, or are of another version.
-    pub fn restore(bytes: &[u8]) -> Result<Self> {
-        let _ = bytes;
-        todo!()
-    }
-
     /// Reports contacts of a body that carry more than `force` (N) as [`Event::ContactForce`]; `None` for none.
-    /// `false` if the handle is stale.
+    /// `false` if the handle is stale or the force is not a number.
     pub fn set_force_threshold(&mut self, handle: BodyHandle, force: Option<f32>) -> bool {
-        let _ = (handle, force);
-        todo!()
-    }
-}
-
-impl BodyMut<'_> {
-    /// Moves the origin there at once; the velocity stays.
-    ///
-    /// # Errors
-    /// A pose that is not finite or whose rotation is not a unit quaternion; nothing changes.
-    pub fn set_pose(&mut self, pose: Pose) -> Result<()> {
-        let _ = pose;
-        todo!()
-    }
-
-    /// Of the center of mass, m/s.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn set_velocity(&mut self, velocity: Vec3) -> Result<()> {
-        let _ = velocity;
-        todo!()
-    }
-
-    /// World, rad/s.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn set_angular_velocity(&mut self, angular_velocity: Vec3) -> Result<()> {
-        let _ = angular_velocity;
-        todo!()
-    }
-
-    /// Where a kinematic body shall be at the end of the next step.
-    ///
-    /// # Errors
-    /// A pose that is not finite, or a body that is not kinematic; nothing changes.
-    pub fn set_kinematic_target(&mut self, pose: Pose) -> Result<()> {
-        let _ = pose;
-        todo!()
-    }
-
-    /// A force at the center of mass during the next step, N. TALK A3.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes. The same for all forces, torques and impulses.
-    pub fn apply_force(&mut self, force: Vec3) -> Result<()> {
-        let _ = force;
-        todo!()
-    }
-
-    /// A force at a world point during the next step, N.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn apply_force_at(&mut self, force: Vec3, point: Vec3) -> Result<()> {
-        let _ = (force, point);
-        todo!()
-    }
-
-    /// A torque during the next step, N·m.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn apply_torque(&mut self, torque: Vec3) -> Result<()> {
-        let _ = torque;
-        todo!()
-    }
-
-    /// An impulse at the center of mass, now, N·s.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn apply_impulse(&mut self, impulse: Vec3) -> Result<()> {
-        let _ = impulse;
-        todo!()
-    }
-
-    /// An impulse at a world point, now, N·s.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) -> Result<()> {
-        let _ = (impulse, point);
-        todo!()
-    }
-
-    /// An angular impulse, now, N·m·s.
-    ///
-    /// # Errors
-    /// Not finite; nothing changes.
-    pub fn apply_angular_impulse(&mut self, impulse: Vec3) -> Result<()> {
-        let _ = impulse;
-        todo!()
-    }
-
-    /// The state as it is.
-    pub fn state(&self) -> &BodyState {
-        self.body
+        match self.bodies.get_mut(handle.into()) {
+            Some(body) if !force.is_some_and(f32::is_nan) => {
+                body.force_threshold = force;
+                true
+            }
+            _ => false,
+        }
     }
 }

@@ -109,6 +109,26 @@ pub(crate) struct Frozen {
 }
 
 impl Contact {
+    /// A pair that the broad phase has just found.
+    pub(crate) fn new(shape_a: u32, shape_b: u32, body_a: u32, body_b: u32, sensor: bool) -> Self {
+        Self {
+            shape_a,
+            shape_b,
+            body_a,
+            body_b,
+            manifolds: SmallVec::new(),
+            friction: 0.0,
+            restitution: 0.0,
+            torsional_friction: 0.0,
+            rolling_friction: 0.0,
+            surface_velocity: Vec3::ZERO,
+            hint: 0,
+            sensor,
+            touching: false,
+            frozen: None,
+        }
+    }
+
     /// Manifolds with at least one point.
     pub fn manifolds(&self) -> &[Manifold] {
         &self.manifolds

@@ -3,6 +3,7 @@
 mod box_box;
 pub mod broad_phase;
 mod clip;
+mod continuous;
 pub mod feature_id;
 mod half_space;
 mod hull_hull;
@@ -13,3 +14,5 @@ mod polyhedron;
 mod reduce;
 mod round;
 mod sat;
+pub(crate) mod pairs;
+pub(crate) mod update;

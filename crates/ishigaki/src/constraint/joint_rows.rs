@@ -12,7 +12,7 @@ pub use crate::constraint::frame::{BodyFrame, FramePair, JointStep};
 use crate::constraint::generic::{Freedoms, Generic};
 use crate::constraint::hinge::Hinge;
 use crate::constraint::joint::{Joint, JointFrames, JointKind};
-use crate::constraint::row::RowSpec;
+use crate::constraint::row::{Jacobian, RowSpec};
 use crate::constraint::slider::Slider;
 use crate::math::{Quat, Vec3};
 use serde::{Deserialize, Serialize};
@@ -153,14 +153,13 @@ impl ResolvedJoint {
 }
 
 /// Impulse on A, N·s, and angular impulse on A about the point at `arm_a` from its center of mass, N·m·s (world), that
-/// the impulses `lambdas` of `rows` make. Divide by the time they acted for N and N·m.
+/// rows with these Jacobians and impulses make. Divide by the time they acted for N and N·m.
 ///
 /// A force through the point gives no torque.
-pub fn reaction(rows: &[RowSpec], lambdas: &[f32], arm_a: Vec3) -> (Vec3, Vec3) {
+pub fn reaction(rows: impl Iterator<Item = (Jacobian, f32)>, arm_a: Vec3) -> (Vec3, Vec3) {
     let mut impulse = Vec3::ZERO;
     let mut angular_impulse = Vec3::ZERO;
-    for (row, &lambda) in rows.iter().zip(lambdas) {
-        let jacobian = &row.jacobian;
+    for (jacobian, lambda) in rows {
         impulse += jacobian.linear * lambda;
         angular_impulse += (jacobian.angular_a - arm_a.cross(jacobian.linear)) * lambda;
     }

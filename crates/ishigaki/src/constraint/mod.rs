@@ -49,9 +49,11 @@
 //! ```
 
 pub(crate) mod ball;
+pub mod contact;
 pub(crate) mod distance;
 pub(crate) mod fixed;
 pub mod frame;
+pub mod friction;
 pub(crate) mod generic;
 pub(crate) mod hinge;
 pub mod joint;

@@ -1,0 +1,148 @@
+//! Stage `find_pairs`: bounds of what moved, and the pairs whose bounds overlap.
+//!
+//! Bounds are fattened by a margin and by the motion of the coming step, so a resting body costs nothing here.
+//! The list of pairs is sorted by shape slots: its order does not depend on the tree.
+
+use crate::body::{BodyKind, BodyState, ShapeState};
+use crate::collision::manifold::Contact;
+use crate::handle::Arena;
+use crate::math::Vec3;
+use crate::world::World;
+
+impl World {
+    /// Updates bounds and the list of contacts; pairs whose bounds came apart are dropped.
+    pub(crate) fn find_pairs(&mut self, dt: f32) {
+        let margin = self.options.contact.speculative_margin * self.options.length_scale;
+        let fat = self.options.contact.bounds_margin * self.options.length_scale;
+        let moved = &mut self.scratch.moved_shapes;
+        moved.clear();
+        for (_, body) in self.bodies.iter() {
+            let moves = body.is_active() || body.is_moving_kinematic();
+            for &slot in &body.shapes {
+                let shape = self.shapes.at_mut(slot);
+                if !(moves || shape.moved) || body.broken {
+                    continue;
+                }
+                let (min, max) = swept_bounds(shape, body, dt, margin);
+                let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
+                if shape.moved || !inside {
+                    (shape.bounds_min, shape.bounds_max) = (min - fat, max + fat);
+                    shape.moved = false;
+                    self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
+                    moved.push(slot);
+                }
+            }
+        }
+        if !self.scratch.moved_shapes.is_empty() {
+            self.drop_parted_pairs();
+            self.add_new_pairs();
+        }
+    }
+
+    fn drop_parted_pairs(&mut self) {
+        let (shapes, gone) = (&self.shapes, &mut self.scratch.gone_pairs);
+        gone.clear();
+        self.contacts.retain(|c| {
+            let (a, b) = (shapes.at(c.shape_a), shapes.at(c.shape_b));
+            let overlap = a.bounds_min.cmple(b.bounds_max).all() && b.bounds_min.cmple(a.bounds_max).all();
+            if !overlap && c.touching {
+                gone.push((c.shape_a, c.shape_b, c.sensor));
+            }
+            overlap
+        });
+        self.end_gone_pairs();
+    }
+
+    /// Drops pairs that joints, exclusions or groups no longer allow.
+    pub(crate) fn drop_forbidden_pairs(&mut self) {
+        let mut contacts = std::mem::take(&mut self.contacts);
+        self.scratch.gone_pairs.clear();
+        contacts.retain(|c| {
+            let keep = self.may_touch(c.shape_a, c.shape_b);
+            if !keep && c.touching {
+                self.scratch.gone_pairs.push((c.shape_a, c.shape_b, c.sensor));
+            }
+            keep
+        });
+        self.contacts = contacts;
+        let first = self.events.len();
+        self.end_gone_pairs();
+        // Between steps: reported with the next one.
+        let ended = self.events.split_off(first);
+        self.pending_events.extend(ended);
+    }
+
+    fn end_gone_pairs(&mut self) {
+        for i in 0..self.scratch.gone_pairs.len() {
+            let (a, b, sensor) = self.scratch.gone_pairs[i];
+            for slot in [a, b] {
+                let body = self.shapes.at(slot).body;
+                if !sensor {
+                    self.bodies.at_mut(body).rest_steps = 0;
+                }
+            }
+            let event = self.touch_event(a, b, sensor, false);
+            self.events.push(event);
+        }
+    }
+
+    fn add_new_pairs(&mut self) {
+        let mut found = std::mem::take(&mut self.scratch.new_pairs);
+        found.clear();
+        let mut broad_phase = std::mem::take(&mut self.broad_phase);
+        broad_phase.pairs_of(&self.scratch.moved_shapes, |a, b| self.may_touch(a, b), &mut found);
+        self.broad_phase = broad_phase;
+        found.retain(|&pair| self.contacts.binary_search_by_key(&pair, |c| (c.shape_a, c.shape_b)).is_err());
+        if !found.is_empty() {
+            for &(a, b) in &found {
+                let (shape_a, shape_b) = (self.shapes.at(a), self.shapes.at(b));
+                let sensor = shape_a.shape.sensor || shape_b.shape.sensor;
+                self.contacts.push(Contact::new(a, b, shape_a.body, shape_b.body, sensor));
+            }
+            // Two sorted runs: the stable sort merges them in linear time.
+            self.contacts.sort_by_key(|c| (c.shape_a, c.shape_b));
+        }
+        self.scratch.new_pairs = found;
+    }
+
+    /// Whether a pair of shapes can ever make a contact or trip a sensor.
+    pub(crate) fn may_touch(&self, a: u32, b: u32) -> bool {
+        let (shape_a, shape_b) = (self.shapes.at(a), self.shapes.at(b));
+        if shape_a.body == shape_b.body || !shape_a.shape.groups.allow(shape_b.shape.groups) {
+            return false;
+        }
+        let sensors = (shape_a.shape.sensor, shape_b.shape.sensor);
+        let (kind_a, kind_b) = (self.bodies.at(shape_a.body).kind, self.bodies.at(shape_b.body).kind);
+        let someone_moves = match sensors {
+            (true, true) => false,
+            (false, false) => kind_a == BodyKind::Dynamic || kind_b == BodyKind::Dynamic,
+            _ => kind_a != BodyKind::Fixed || kind_b != BodyKind::Fixed,
+        };
+        let pair = (shape_a.body.min(shape_b.body), shape_a.body.max(shape_b.body));
+        someone_moves && self.excluded.binary_search(&pair).is_err() && self.jointed.binary_search(&pair).is_err()
+    }
+}
+
+/// Bounds over the coming step: where the shape is and where its velocity takes it.
+fn swept_bounds(shape: &ShapeState, body: &BodyState, dt: f32, margin: f32) -> (Vec3, Vec3) {
+    let (min, max) = shape.tight_bounds(body);
+    if body.kind == BodyKind::Fixed {
+        return (min, max);
+    }
+    let half = 0.5 * (max - min);
+    // A turning body reaches out by ω r Δt, never by more than its own size.
+    let reach = half.length() + shape.center_from_shape.translation.length();
+    let swing = (body.angular_velocity.length() * reach * dt).min(reach);
+    let (motion, pad) = (motion_in_step(body, dt), Vec3::splat(margin + swing));
+    (min.min(min + motion) - pad, max.max(max + motion) + pad)
+}
+
+/// How far the center will move in the coming step, m.
+pub(crate) fn motion_in_step(body: &BodyState, dt: f32) -> Vec3 {
+    match (body.kind, body.kinematic_target) {
+        (BodyKind::Kinematic, Some(target)) => target.translation + target.rotation * body.mass.center - body.center,
+        (BodyKind::Fixed, _) => Vec3::ZERO,
+        _ if body.asleep => Vec3::ZERO,
+        _ => body.velocity * dt,
+    }
+}

@@ -1,0 +1,56 @@
+//! Aggressive sleep, AS. TALK D10.
+//!
+//! Between resting bodies the Jacobians of the last step are kept: no narrow phase, no new normals, arms or
+//! ids, so the structure of the LCP stops changing and its impulses settle. The bodies are still simulated:
+//! λ, friction bounds and separations are live (separations advance by J·δ, or bodies would creep), so there
+//! is no wrong rest: take a support away and the pile falls at the next step.
+//! A pair freezes when both bodies have been slow for some steps, or one is fixed; it thaws when a body is woken,
+//! pushed, edited or gains a contact, or when the relative motion since freezing grows past a part of the slop.
+//! Option: `rest.aggressive_sleep`; shown by `tests/aggressive_sleep.rs`.
+
+use crate::body::{BodyKind, BodyState};
+use crate::collision::manifold::{Contact, Frozen};
+use crate::math::{Pose, vector_from_rotation};
+use crate::options::{AggressiveSleep, WorldOptions};
+
+/// Whether the pair keeps its rows in this step.
+pub(crate) fn stays_frozen(contact: &Contact, a: &BodyState, b: &BodyState, options: &WorldOptions) -> bool {
+    let settings = &options.rest.aggressive_sleep;
+    let Some(frozen) = &contact.frozen else { return false };
+    if !settings.enabled || !at_rest(a, settings) || !at_rest(b, settings) {
+        return false;
+    }
+    let now = relative_pose(a, b);
+    let slop = options.solver.slop.depth * options.length_scale;
+    let shift = (now.translation - frozen.b_in_a.translation).length();
+    let turn = vector_from_rotation(frozen.b_in_a.rotation.inverse() * now.rotation).length();
+    shift <= settings.thaw_distance * slop && turn <= settings.thaw_angle
+}
+
+/// Freezes a pair whose rows have just been refreshed, if both bodies are at rest.
+pub(crate) fn freeze_if_at_rest(contact: &mut Contact, a: &BodyState, b: &BodyState, options: &WorldOptions) {
+    let settings = &options.rest.aggressive_sleep;
+    if settings.enabled && !contact.sensor && at_rest(a, settings) && at_rest(b, settings) {
+        contact.frozen = Some(Frozen { b_in_a: relative_pose(a, b) });
+    }
+}
+
+/// Counts slow steps. Speeds scale with the root of the length, angular speeds with its inverse.
+pub(crate) fn count_rest_steps(body: &mut BodyState, settings: &AggressiveSleep, length_scale: f32) {
+    let root = length_scale.sqrt();
+    let slow = body.velocity.length() < settings.linear_speed * root
+        && body.angular_velocity.length() < settings.angular_speed / root;
+    body.rest_steps = if slow { body.rest_steps.saturating_add(1) } else { 0 };
+}
+
+fn at_rest(body: &BodyState, settings: &AggressiveSleep) -> bool {
+    match body.kind {
+        BodyKind::Fixed => true,
+        BodyKind::Kinematic => !body.is_moving_kinematic(),
+        BodyKind::Dynamic => body.asleep || body.rest_steps >= settings.steps,
+    }
+}
+
+fn relative_pose(a: &BodyState, b: &BodyState) -> Pose {
+    Pose::from_parts(a.center, a.rotation).inv_mul(&Pose::from_parts(b.center, b.rotation))
+}

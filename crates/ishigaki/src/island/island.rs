@@ -1,0 +1,141 @@
+//! Stage `build_islands`: bodies connected by contacts and joints, by union-find; sleepers that are touched wake.
+//!
+//! Ground (fixed and kinematic bodies) connects nothing. An island is awake if any of its bodies is; islands are
+//! numbered by their first body, so the numbers do not depend on the order of contacts.
+
+use crate::body::{BodyState, NO_HEIGHT};
+use crate::collision::manifold::Contact;
+use crate::solver::height;
+use crate::world::World;
+
+impl World {
+    /// Unites bodies, wakes islands, numbers them, measures heights.
+    pub(crate) fn build_islands(&mut self, dt: f32) {
+        let slots = self.bodies.slot_count();
+        let mut parents = std::mem::take(&mut self.scratch.parents);
+        parents.clear();
+        parents.extend(0..slots as u32);
+        self.unite(&mut parents, dt);
+        self.wake_islands(&mut parents);
+        self.number_islands(&mut parents);
+        self.scratch.parents = parents;
+        self.measure_heights();
+    }
+
+    fn unite(&mut self, parents: &mut [u32], dt: f32) {
+        let contacts = std::mem::take(&mut self.contacts);
+        for contact in contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
+            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
+            if !(contact.touching || closes(contact, a, b, dt)) {
+                continue;
+            }
+            if a.is_dynamic() && b.is_dynamic() {
+                union(parents, contact.body_a, contact.body_b);
+            } else if a.is_moving_kinematic() {
+                self.bodies.at_mut(contact.body_b).asleep = false;
+            } else if b.is_moving_kinematic() {
+                self.bodies.at_mut(contact.body_a).asleep = false;
+            }
+        }
+        self.contacts = contacts;
+        for (_, joint) in self.joints.iter() {
+            let (index_a, index_b) = (joint.definition.body_a.index, joint.definition.body_b.index);
+            let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
+            if a.is_dynamic() && b.is_dynamic() {
+                union(parents, index_a, index_b);
+            } else if a.is_moving_kinematic() {
+                self.bodies.at_mut(index_b).asleep = false;
+            } else if b.is_moving_kinematic() {
+                self.bodies.at_mut(index_a).asleep = false;
+            }
+        }
+    }
+
+    fn wake_islands(&mut self, parents: &mut [u32]) {
+        let awake = &mut self.scratch.awake_roots;
+        awake.clear();
+        awake.resize(parents.len(), false);
+        for (index, body) in self.bodies.iter() {
+            if body.is_active() {
+                awake[root(parents, index) as usize] = true;
+            }
+        }
+        for (index, body) in self.bodies.iter_mut() {
+            if body.is_dynamic() && body.asleep && awake[root(parents, index) as usize] {
+                body.wake();
+            }
+        }
+    }
+
+    fn number_islands(&mut self, parents: &mut [u32]) {
+        let numbers = &mut self.scratch.island_numbers;
+        numbers.clear();
+        numbers.resize(parents.len(), u32::MAX);
+        let mut islands = 0;
+        for (index, body) in self.bodies.iter_mut() {
+            if body.is_active() {
+                let number = &mut numbers[root(parents, index) as usize];
+                if *number == u32::MAX {
+                    *number = islands;
+                    islands += 1;
+                }
+                body.island = *number;
+            }
+        }
+        self.report.islands = islands as usize;
+    }
+
+    fn measure_heights(&mut self) {
+        let mut links = std::mem::take(&mut self.scratch.links);
+        links.clear();
+        let slop = self.options.solver.slop.depth * self.options.length_scale;
+        for contact in self.contacts.iter().filter(|c| c.touching && !c.sensor) {
+            if contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= slop) {
+                links.push((contact.body_a, contact.body_b));
+            }
+        }
+        if self.options.solver.height.through_joints {
+            links.extend(self.joints.iter().map(|(_, j)| (j.definition.body_a.index, j.definition.body_b.index)));
+        }
+        let heights = &mut self.scratch.heights;
+        heights.clear();
+        heights.resize(self.bodies.slot_count(), NO_HEIGHT);
+        let ground = &mut self.scratch.is_ground;
+        ground.clear();
+        ground.resize(self.bodies.slot_count(), false);
+        for (index, body) in self.bodies.iter() {
+            ground[index as usize] = !body.is_dynamic();
+        }
+        height::heights(&links, |i| ground[i as usize], &mut self.scratch.height, heights);
+        for (index, body) in self.bodies.iter_mut() {
+            body.height = heights[index as usize];
+        }
+        self.scratch.links = links;
+    }
+}
+
+/// Whether the two will touch within the step.
+fn closes(contact: &Contact, a: &BodyState, b: &BodyState, dt: f32) -> bool {
+    contact.manifolds.iter().any(|m| {
+        m.points.iter().any(|p| {
+            let velocity_a = a.velocity + a.angular_velocity.cross(p.arm_a);
+            let velocity_b = b.velocity + b.angular_velocity.cross(p.arm_b);
+            p.separation + dt * m.normal.dot(velocity_a - velocity_b) <= 0.0
+        })
+    })
+}
+
+/// The smallest index of the set; halves the path on the way.
+fn root(parents: &mut [u32], mut i: u32) -> u32 {
+    while parents[i as usize] != i {
+        parents[i as usize] = parents[parents[i as usize] as usize];
+        i = parents[i as usize];
+    }
+    i
+}
+
+/// The smaller root becomes the parent: roots do not depend on the order of unions.
+fn union(parents: &mut [u32], a: u32, b: u32) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
+}

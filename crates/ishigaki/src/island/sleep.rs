@@ -1,0 +1,48 @@
+//! Island sleep. TALK D9.
+//!
+//! Whole islands only: when every body of an island has been slow for a while, all of them stop being
+//! simulated. It does not stabilise anything; it follows from stability. An island wakes when a contact begins,
+//! a support is removed, a force is applied, a joint changes, or a kinematic body moves against it.
+//! Option: `rest.sleep`; shown by `tests/sleep.rs`.
+
+use crate::body::BodyState;
+use crate::options::Sleep;
+use crate::world::World;
+
+/// Adds up the time a body has been slow.
+pub(crate) fn count_rest_time(body: &mut BodyState, settings: &Sleep, length_scale: f32, dt: f32) {
+    let root = length_scale.sqrt();
+    let slow = body.velocity.length() < settings.linear_speed * root
+        && body.angular_velocity.length() < settings.angular_speed / root;
+    body.rest_time = if slow && body.can_sleep { body.rest_time + dt } else { 0.0 };
+}
+
+impl World {
+    /// Puts islands to sleep whose bodies have all been slow long enough.
+    pub(crate) fn put_islands_to_sleep(&mut self) {
+        let time = self.options.rest.sleep.time * self.options.length_scale.sqrt();
+        let islands = self.report.islands;
+        let restless = &mut self.scratch.restless_islands;
+        restless.clear();
+        restless.resize(islands, false);
+        for (_, body) in self.bodies.iter() {
+            if body.is_active() && body.rest_time < time {
+                restless[body.island as usize] = true;
+            }
+        }
+        for contact in &self.contacts {
+            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
+            // A moving platform keeps what lies on it awake.
+            for (body, other) in [(a, b), (b, a)] {
+                if contact.touching && body.is_active() && other.is_moving_kinematic() {
+                    self.scratch.restless_islands[body.island as usize] = true;
+                }
+            }
+        }
+        for (_, body) in self.bodies.iter_mut() {
+            if body.is_active() && !self.scratch.restless_islands[body.island as usize] {
+                body.put_to_sleep();
+            }
+        }
+    }
+}

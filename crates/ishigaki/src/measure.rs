@@ -1,0 +1,92 @@
+//! What a step did, measured at its end: counts, energies, momenta, errors; joints that broke; forces to report.
+
+use crate::event::Event;
+use crate::handle::JointHandle;
+use crate::math::Vec3;
+use crate::solver::plan::Plan;
+use crate::world::World;
+
+impl World {
+    /// Fills the report with the state at the end of the step.
+    pub(crate) fn complete_report(&mut self, plan: &Plan) {
+        let mut report = std::mem::take(&mut self.report);
+        report.bodies = self.bodies.len();
+        report.pairs = self.contacts.len();
+        report.rows = plan.rows.len();
+        for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
+            report.contacts += 1;
+            for point in contact.manifolds.iter().flat_map(|m| &m.points) {
+                report.max_penetration = report.max_penetration.max(-point.separation);
+            }
+        }
+        for (_, joint) in self.joints.iter() {
+            report.max_joint_error = report.max_joint_error.max(joint.anchor_error);
+        }
+        for (index, body) in self.bodies.iter() {
+            if !body.is_finite() {
+                report.non_finite.push(self.body_handle(index));
+            } else if body.is_dynamic() {
+                report.asleep += usize::from(body.asleep);
+                report.max_speed = report.max_speed.max(body.velocity.length());
+            }
+        }
+        self.report = report;
+        if self.options.report.energy {
+            self.measure_energy();
+        }
+    }
+
+    /// Sums in f64: a thousand terms of one sign lose three digits in f32.
+    fn measure_energy(&mut self) {
+        let (mut kinetic, mut potential) = (0.0_f64, 0.0_f64);
+        let (mut momentum, mut angular) = ([0.0_f64; 3], [0.0_f64; 3]);
+        let gravity = self.options.gravity;
+        let add = |sum: &mut [f64; 3], v: Vec3| sum.iter_mut().zip(v.to_array()).for_each(|(s, x)| *s += f64::from(x));
+        for (_, body) in self.bodies.iter().filter(|(_, b)| b.is_dynamic() && b.is_finite()) {
+            let p = body.mass.mass * body.velocity;
+            kinetic += f64::from(body.kinetic_energy());
+            potential -= f64::from(body.mass.mass * body.gravity_scale) * f64::from(gravity.dot(body.center));
+            add(&mut momentum, p);
+            add(&mut angular, body.angular_momentum + body.center.cross(p));
+        }
+        self.report.kinetic_energy = kinetic as f32;
+        self.report.potential_energy = potential as f32;
+        self.report.momentum = Vec3::from_array(momentum.map(|x| x as f32));
+        self.report.angular_momentum = Vec3::from_array(angular.map(|x| x as f32));
+    }
+
+    /// Removes joints that carried more than they can.
+    pub(crate) fn break_joints(&mut self) {
+        let broken: Vec<(JointHandle, f32, f32)> = self
+            .joints()
+            .filter_map(|(handle, joint)| {
+                let (force, torque) = (joint.force.length(), joint.torque.length());
+                let over = |limit: Option<f32>, value: f32| limit.is_some_and(|limit| value > limit);
+                let breaks = over(joint.definition.break_force, force) || over(joint.definition.break_torque, torque);
+                breaks.then_some((handle, force, torque))
+            })
+            .collect();
+        for (joint, force, torque) in broken {
+            self.remove_joint(joint);
+            self.events.push(Event::JointBroke { joint, force, torque });
+        }
+    }
+
+    /// Reports contacts that carried more than a body asked to hear of.
+    pub(crate) fn notice_forces(&mut self, dt: f32) {
+        for i in 0..self.contacts.len() {
+            let contact = &self.contacts[i];
+            let threshold = |index| self.bodies.at(index).force_threshold.unwrap_or(f32::INFINITY);
+            let limit = threshold(contact.body_a).min(threshold(contact.body_b));
+            if limit == f32::INFINITY {
+                continue;
+            }
+            let impulse: f32 = contact.manifolds.iter().flat_map(|m| &m.points).map(|p| p.impulse).sum();
+            let force = impulse / dt;
+            if force > limit {
+                let (a, b) = (self.shape_id(contact.shape_a), self.shape_id(contact.shape_b));
+                self.events.push(Event::ContactForce { a, b, force });
+            }
+        }
+    }
+}

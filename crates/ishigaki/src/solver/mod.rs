@@ -1,0 +1,16 @@
+//! The solver: a table of rows, and one file for each technique that edits a column or the order of visiting.
+
+pub mod block;
+pub mod height;
+pub mod penetration_recovery;
+pub mod permutation;
+pub mod plan;
+pub mod reference;
+pub mod residual;
+pub mod restitution;
+pub mod shock_propagation;
+pub mod slop;
+mod substeps;
+pub mod table;
+pub mod warm_start;
+pub mod weight_amplification;

@@ -1,0 +1,42 @@
+//! Penetration recovery and the speculative gap. TALK D1.
+//!
+//! Overlap d is pushed out with the velocity k d/h, at most v_max; a gap s > 0 may close, but no faster than
+//! s/h. Both are the bias of a normal row, w = J u + bias ≥ 0. Without recovery overlap stays for ever;
+//! with k near 1 and no relax sweep it throws bodies apart, since the push stays in their velocity.
+//! Option: `solver.penetration_recovery`; shown by `tests/techniques.rs`.
+
+use crate::options::PenetrationRecovery;
+use crate::solver::slop;
+
+/// Recovery in the units of one world.
+#[derive(Clone, Copy, Debug)]
+pub struct Recovery {
+    /// k, 0 when switched off.
+    pub rate: f32,
+    /// v_max, m/s.
+    pub max_speed: f32,
+    /// Overlap left alone, m.
+    pub slop: f32,
+}
+
+impl Recovery {
+    /// From options; speeds scale with the root of the length.
+    pub fn new(options: &PenetrationRecovery, slop: f32, length_scale: f32) -> Self {
+        Self {
+            rate: if options.enabled { options.rate } else { 0.0 },
+            max_speed: options.max_speed * length_scale.sqrt(),
+            slop,
+        }
+    }
+
+    /// Bias with and without recovery of a normal row at `separation` (m, negative = overlap), substep `h` (s).
+    #[inline]
+    pub fn bias(&self, separation: f32, h: f32) -> (f32, f32) {
+        if separation > 0.0 {
+            (separation / h, separation / h)
+        } else {
+            let push = self.rate * slop::excess(-separation, self.slop) / h;
+            (-push.min(self.max_speed), 0.0)
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Stages `build_rows` and `plan_sweep`: from contacts and joints to a table of rows, its masses and its order.
+//!
+//! The plan is what a solver works on; it knows slots, not handles, and holds plain arrays that are used again
+//! in each step. Rows of joints come first, then those of contacts, both in the world's fixed order.
+
+use crate::constraint::contact::{self, Layout, Surface};
+use crate::constraint::frame::JointStep;
+use crate::constraint::friction::Coupling;
+use crate::constraint::row::RowSpec;
+use crate::math::Mat3;
+use crate::options::SolverOptions;
+use crate::solver::block::{self, Block};
+use crate::solver::table::{MassScale, Row, SolverBody};
+use crate::solver::{shock_propagation, weight_amplification};
+use crate::world::World;
+
+/// All that the solve stage works on.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// The ground, then every body that moves in this step.
+    pub bodies: Vec<SolverBody>,
+    /// The slot of each moving body; `bodies[i + 1]` is `movers[i]`.
+    pub movers: Vec<u32>,
+    /// From slots to `bodies`; 0 for whatever does not move.
+    pub index_of: Vec<u32>,
+    /// The table.
+    pub rows: Vec<Row>,
+    /// First rows of the units in the order of visiting.
+    pub units: Vec<u32>,
+    /// Equality rows of joints that are solved together.
+    pub blocks: Vec<Block>,
+    /// Where the rows of each manifold are.
+    pub manifolds: Vec<ManifoldRows>,
+    /// Where the rows of each joint are.
+    pub joints: Vec<JointRows>,
+    /// What joints ask for in this substep.
+    pub specs: Vec<RowSpec>,
+}
+
+/// Rows of one manifold.
+#[derive(Clone, Copy, Debug)]
+pub struct ManifoldRows {
+    /// Index of the contact.
+    pub contact: u32,
+    /// Which of its manifolds.
+    pub manifold: u32,
+    /// Index of its first row.
+    pub first: u32,
+    /// How many rows of each kind follow.
+    pub layout: Layout,
+    /// Material of the pair.
+    pub surface: Surface,
+    /// Newton's e of the pair.
+    pub restitution: f32,
+}
+
+/// Rows of one joint.
+#[derive(Clone, Copy, Debug)]
+pub struct JointRows {
+    /// Slot of the joint.
+    pub joint: u32,
+    /// Index of its first row.
+    pub first: u32,
+    /// How many rows it has.
+    pub count: u32,
+}
+
+impl World {
+    /// Stage `build_rows`.
+    pub(crate) fn build_rows(&mut self, plan: &mut Plan, dt: f32) {
+        self.collect_bodies(plan);
+        plan.rows.clear();
+        self.add_joint_rows(plan, dt);
+        self.add_contact_rows(plan, dt);
+    }
+
+    fn collect_bodies(&mut self, plan: &mut Plan) {
+        plan.bodies.clear();
+        plan.bodies.push(SolverBody::GROUND);
+        plan.movers.clear();
+        plan.index_of.clear();
+        plan.index_of.resize(self.bodies.slot_count(), 0);
+        for (slot, body) in self.bodies.iter() {
+            let dynamic = body.is_active();
+            if !(dynamic || body.is_moving_kinematic()) {
+                continue;
+            }
+            plan.index_of[slot as usize] = plan.bodies.len() as u32;
+            plan.movers.push(slot);
+            plan.bodies.push(SolverBody {
+                velocity: body.velocity,
+                angular_velocity: body.angular_velocity,
+                inverse_mass: body.inverse_mass_by_axis(),
+                inverse_inertia: if dynamic { body.inverse_inertia_world() } else { Mat3::ZERO },
+                height: body.height,
+                ..SolverBody::GROUND
+            });
+        }
+    }
+
+    fn add_joint_rows(&mut self, plan: &mut Plan, dt: f32) {
+        plan.joints.clear();
+        plan.blocks.clear();
+        let scale = self.warm_start_scale(dt);
+        let step = self.joint_step(dt);
+        for (slot, joint) in self.joints.iter_mut() {
+            let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
+            let (body_a, body_b) = (plan.index_of[a as usize], plan.index_of[b as usize]);
+            let (a, b) = (self.bodies.at(a), self.bodies.at(b));
+            if !(a.is_active() || b.is_active()) || a.broken || b.broken {
+                continue;
+            }
+            plan.specs.clear();
+            joint.resolved.rows(&joint.definition.kind, &a.frame(), &b.frame(), &step, &mut plan.specs);
+            let first = plan.rows.len() as u32;
+            plan.joints.push(JointRows { joint: slot, first, count: plan.specs.len() as u32 });
+            for (spec, &lambda) in plan.specs.iter().zip(&joint.lambdas) {
+                plan.rows.push(Row::of_joint(spec, body_a, body_b, lambda * scale));
+            }
+            block::gather(first as usize, &mut plan.rows, &mut plan.blocks);
+        }
+    }
+
+    fn add_contact_rows(&self, plan: &mut Plan, dt: f32) {
+        plan.manifolds.clear();
+        let scale = self.warm_start_scale(dt);
+        let model = self.options.solver.friction;
+        for (index, contact) in self.contacts.iter().enumerate() {
+            let (slot_a, slot_b) = (contact.body_a as usize, contact.body_b as usize);
+            let (body_a, body_b) = (plan.index_of[slot_a], plan.index_of[slot_b]);
+            let dynamic = |slot: u32| self.bodies.at(slot).is_active();
+            if contact.sensor || !(dynamic(contact.body_a) || dynamic(contact.body_b)) {
+                continue;
+            }
+            let surface = Surface {
+                friction: contact.friction,
+                torsional_friction: contact.torsional_friction,
+                rolling_friction: contact.rolling_friction,
+                surface_velocity: contact.surface_velocity,
+            };
+            for (m, manifold) in contact.manifolds.iter().enumerate() {
+                let first = plan.rows.len() as u32;
+                plan.manifolds.push(ManifoldRows {
+                    contact: index as u32,
+                    manifold: m as u32,
+                    first,
+                    layout: Layout::new(manifold.points.len(), &surface, model),
+                    surface,
+                    restitution: contact.restitution,
+                });
+                contact::rows(manifold, &surface, model, first, |spec| {
+                    let mut row = Row::of_contact(&spec, body_a, body_b);
+                    row.lambda *= scale;
+                    plan.rows.push(row);
+                });
+            }
+        }
+    }
+
+    /// Impulses are forces times the substep: they scale when it changes.
+    pub(crate) fn warm_start_scale(&self, dt: f32) -> f32 {
+        let h = dt / self.options.solver.substeps as f32;
+        let change = if self.last_substep > 0.0 { h / self.last_substep } else { 0.0 };
+        if self.options.solver.warm_start.enabled { change } else { 0.0 }
+    }
+
+    pub(crate) fn joint_step(&self, dt: f32) -> JointStep {
+        let recovery = &self.options.solver.joint_recovery;
+        JointStep {
+            h: dt / self.options.solver.substeps as f32,
+            recovery_rate: if recovery.enabled { recovery.rate } else { 0.0 },
+        }
+    }
+}
+
+/// Stage `plan_sweep`: the scale of the masses and the first order of the units.
+pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
+    plan.units.clear();
+    for (i, row) in plan.rows.iter().enumerate() {
+        if row.coupling != Coupling::Partner {
+            plan.units.push(i as u32);
+        }
+    }
+    let shock = &options.shock_propagation;
+    let pure_shock = shock.enabled && shock.blend >= 1.0;
+    if pure_shock {
+        scale_contacts(plan, shock_propagation::scale);
+        shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
+    } else if options.weight_amplification.enabled {
+        let wa = &options.weight_amplification;
+        scale_contacts(plan, |a, b| weight_amplification::scale(wa, a, b));
+    }
+}
+
+/// Sets the mass scale of every contact row from the heights of its two bodies.
+pub fn scale_contacts(plan: &mut Plan, scale: impl Fn(u32, u32) -> MassScale) {
+    for m in &plan.manifolds {
+        let (first, last) = (m.first as usize, (m.first + m.layout.total()) as usize);
+        for row in &mut plan.rows[first..last] {
+            let (a, b) = (plan.bodies[row.body_a as usize].height, plan.bodies[row.body_b as usize].height);
+            row.scale = scale(a, b);
+        }
+    }
+}

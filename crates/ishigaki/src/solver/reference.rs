@@ -1,0 +1,101 @@
+//! Projected Gauss–Seidel, the readable reference. TALK C3, C7.
+//!
+//! A sweep visits units of rows in the planned order: Δλ = −(J u + γλ + bias) / (J M⁻¹Jᵀ + γ), the *sum*
+//! λ + Δλ clamped to its bounds, u += M⁻¹Jᵀ Δλ. That is all; no technique is known here. A friction disk is
+//! two rows solved together: the 2×2 system first, then the vector clamped to the disk; equality rows of a joint
+//! are solved together too (`block.rs`).
+
+use crate::constraint::friction::{Bound, Coupling};
+use crate::solver::block::Block;
+use crate::solver::table::{Row, SolverBody};
+
+/// One sweep over the units in the given order; each unit is the index of its first row.
+pub fn sweep(units: &[u32], rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
+    for &unit in units {
+        solve_unit(unit as usize, rows, blocks, bodies);
+    }
+}
+
+/// Solves one unit for the velocities as they are.
+#[inline]
+pub fn solve_unit(unit: usize, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
+    match rows[unit].coupling {
+        Coupling::None => solve_row(&mut rows[unit], bodies),
+        Coupling::Interval(bound) => {
+            let reach = reach(&bound, rows);
+            let row = &mut rows[unit];
+            (row.lower, row.upper) = (-reach, reach);
+            solve_row(row, bodies);
+        }
+        Coupling::Disk(bound) => solve_disk(unit, reach(&bound, rows), rows, bodies),
+        Coupling::Block(index) => blocks[index as usize].solve(rows, bodies),
+        Coupling::Partner => {}
+    }
+}
+
+/// μ Σ λ_n with the impulses as they are now.
+#[inline]
+pub fn reach(bound: &Bound, rows: &[Row]) -> f32 {
+    let first = bound.first as usize;
+    let sum: f32 = rows[first..first + bound.count as usize].iter().map(|r| r.lambda).sum();
+    // The sum is negative only while an equality is overdrawn: no friction then.
+    bound.coefficient * sum.max(0.0)
+}
+
+#[inline]
+fn solve_row(row: &mut Row, bodies: &mut [SolverBody]) {
+    let w = row.velocity(bodies) + row.softness * row.lambda + row.bias;
+    // Clamp the sum, not the increment: a later sweep may give impulse back.
+    let lambda = (row.lambda - w * row.effective_mass).clamp(row.lower, row.upper);
+    let delta_lambda = lambda - row.lambda;
+    row.lambda = lambda;
+    row.apply(bodies, delta_lambda);
+}
+
+#[inline]
+fn solve_disk(first: usize, reach: f32, rows: &mut [Row], bodies: &mut [SolverBody]) {
+    let [one, two] = &mut rows[first..first + 2] else { return };
+    let (w1, w2) = (one.velocity(bodies) + one.bias, two.velocity(bodies) + two.bias);
+    // Sticking: the impulse that stops both directions at once, if the disk holds it.
+    let (d1, d2) = solve_2x2(one.effective_mass, two.effective_mass, one.cross_mass, w1, w2);
+    let (mut l1, mut l2) = (one.lambda - d1, two.lambda - d2);
+    if l1 * l1 + l2 * l2 > reach * reach {
+        // Sliding: a step of one length in both directions, so that at rest λ is opposite to w (Coulomb),
+        // which the 2×2 step would turn where its two masses differ.
+        let step = scalar_step(one.effective_mass, two.effective_mass, one.cross_mass);
+        (l1, l2) = (one.lambda - step * w1, two.lambda - step * w2);
+        let length = (l1 * l1 + l2 * l2).sqrt();
+        if length > reach {
+            (l1, l2) = (l1 * (reach / length), l2 * (reach / length));
+        }
+    }
+    let (delta1, delta2) = (l1 - one.lambda, l2 - two.lambda);
+    (one.lambda, two.lambda) = (l1, l2);
+    one.apply(bodies, delta1);
+    two.apply(bodies, delta2);
+}
+
+/// 1 / the greatest eigenvalue of [1/m₁, c; c, 1/m₂]: the longest step that does not overshoot.
+#[inline]
+fn scalar_step(m1: f32, m2: f32, c: f32) -> f32 {
+    if m1 <= 0.0 || m2 <= 0.0 {
+        return 0.0;
+    }
+    let (k1, k2) = (1.0 / m1, 1.0 / m2);
+    let half = 0.5 * (k1 - k2);
+    1.0 / (0.5 * (k1 + k2) + (half * half + c * c).sqrt())
+}
+
+/// Solves [1/m₁, c; c, 1/m₂] d = w for a symmetric positive matrix given by its inverse diagonal.
+#[inline]
+fn solve_2x2(m1: f32, m2: f32, c: f32, w1: f32, w2: f32) -> (f32, f32) {
+    // 1 − c² m₁ m₂ is 0 where the two rows see the same motion: solve them one after the other then.
+    let determinant = 1.0 - c * c * m1 * m2;
+    if determinant > 1e-3 {
+        let scale = 1.0 / determinant;
+        ((w1 - c * m2 * w2) * m1 * scale, (w2 - c * m1 * w1) * m2 * scale)
+    } else {
+        let d1 = w1 * m1;
+        (d1, (w2 - c * d1) * m2)
+    }
+}

@@ -1,0 +1,369 @@
+//! Stage `solve`: all substeps, velocities and positions.
+//!
+//! Each substep: rows of joints anew · forces · impacts · warm start · sweeps with recovery · bodies move ·
+//! relax sweeps without recovery, which take its speed out again. Contacts keep their Jacobians over the step,
+//! their separations advance by J·δ; joints refresh anchors, since their errors must not drift.
+
+use crate::body::{BodyState, unlocked};
+use crate::constraint::contact;
+use crate::constraint::joint_rows::reaction;
+use crate::math::Vec3;
+use crate::motion::{self, Spin, forces};
+use crate::solver::penetration_recovery::Recovery;
+use crate::solver::plan::{Plan, scale_contacts};
+use crate::solver::restitution::{self, Impact};
+use crate::solver::table::{MassScale, Row, SolverBody, couple_disks};
+use crate::solver::{permutation, reference, residual, shock_propagation, slop, warm_start};
+use crate::world::World;
+use arrayvec::ArrayVec;
+
+impl World {
+    /// Stage `solve`.
+    pub(crate) fn solve(&mut self, plan: &mut Plan, dt: f32) {
+        let substeps = self.options.solver.substeps;
+        let h = dt / substeps as f32;
+        for manifold in self.contacts.iter_mut().flat_map(|c| &mut c.manifolds) {
+            for point in &mut manifold.points {
+                point.impulse = 0.0;
+            }
+        }
+        for substep in 0..substeps {
+            self.substep(plan, dt, h, substep);
+        }
+        self.last_substep = h;
+        self.store_impulses(plan, dt);
+    }
+
+    fn substep(&mut self, plan: &mut Plan, dt: f32, h: f32, substep: u32) {
+        if substep > 0 {
+            self.refresh_joint_rows(plan, dt);
+        }
+        self.apply_forces(plan, h);
+        refresh_masses(plan);
+        let gaps = self.refresh_contact_biases(plan, h);
+        if gaps.any_bounce && self.options.solver.restitution.enabled {
+            self.resolve_impacts(plan, h);
+        }
+
+        self.start_warm(plan, substep);
+        self.velocity_sweeps(plan);
+        self.commit_velocities(plan);
+        self.move_bodies(plan, h);
+
+        if self.options.solver.relax_sweeps > 0 {
+            self.relax(plan, h);
+        }
+        for row in &mut plan.rows {
+            row.total_lambda += row.lambda;
+        }
+    }
+
+    /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
+    fn refresh_joint_rows(&mut self, plan: &mut Plan, dt: f32) {
+        let step = self.joint_step(dt);
+        for rows in &plan.joints {
+            let joint = self.joints.at_mut(rows.joint);
+            let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
+            let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
+            plan.specs.clear();
+            joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
+            let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
+            for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
+                let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
+                *row = Row { total_lambda: row.total_lambda, coupling: row.coupling, ..fresh };
+            }
+        }
+    }
+
+    /// v += h(F/m + g), L += hτ, damping; then ω and I⁻¹ of the solver from the pose as it is.
+    fn apply_forces(&mut self, plan: &mut Plan, h: f32) {
+        let gravity = self.options.gravity;
+        for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
+            let state = self.bodies.at_mut(slot);
+            if !state.is_dynamic() {
+                continue;
+            }
+            let acceleration = gravity * state.gravity_scale;
+            state.velocity = forces::accelerated(state.velocity, state.force, body.inverse_mass, acceleration, h);
+            state.velocity *= forces::damping_factor(state.linear_damping, h);
+            let mut spin = spin_of(state);
+            forces::apply_angular_impulse(&mut spin, h * state.torque, unlocked(state.locked_rotation));
+            forces::damp_spin(&mut spin, forces::damping_factor(state.angular_damping, h));
+            (state.angular_momentum, state.angular_velocity) = (spin.angular_momentum, spin.angular_velocity);
+            body.velocity = state.velocity;
+            body.angular_velocity = state.angular_velocity;
+            body.inverse_inertia = state.inverse_inertia_world();
+        }
+    }
+
+    /// Biases of normals from separations that advanced with the bodies.
+    fn refresh_contact_biases(&self, plan: &mut Plan, h: f32) -> Gaps {
+        let options = &self.options.solver;
+        let scale = self.options.length_scale;
+        let recovery = Recovery::new(&options.penetration_recovery, slop::depth(&options.slop, scale), scale);
+        let mut gaps = Gaps { any_bounce: false };
+        for m in &plan.manifolds {
+            gaps.any_bounce |= m.restitution > 0.0;
+            let manifold = &self.contacts[m.contact as usize].manifolds[m.manifold as usize];
+            let first = (m.first + m.layout.first_normal()) as usize;
+            for (row, point) in plan.rows[first..].iter_mut().zip(&manifold.points) {
+                let separation = point.separation + row.displacement(&plan.bodies);
+                (row.bias, row.relax_bias) = recovery.bias(separation, h);
+            }
+        }
+        gaps
+    }
+
+    /// Sweeps without recovery for the poses after the motion, so that its push does not stay in the velocities.
+    fn relax(&mut self, plan: &mut Plan, h: f32) {
+        for row in &mut plan.rows {
+            row.bias = row.relax_bias;
+        }
+        self.refresh_contact_biases(plan, h);
+        for m in &plan.manifolds {
+            let first = (m.first + m.layout.first_normal()) as usize;
+            for row in &mut plan.rows[first..first + m.layout.normals as usize] {
+                row.bias = row.relax_bias;
+            }
+        }
+        for sweep in 0..self.options.solver.relax_sweeps {
+            self.one_sweep(plan, self.options.solver.sweeps + sweep);
+        }
+        self.commit_velocities(plan);
+    }
+
+    fn resolve_impacts(&mut self, plan: &mut Plan, h: f32) {
+        let options = &self.options.solver;
+        let threshold = options.restitution.threshold * self.options.length_scale.sqrt();
+        let (model, passes) = (options.friction, options.restitution.passes);
+        for _ in 0..passes {
+            let mut any = false;
+            for m in plan.manifolds.iter().filter(|m| m.restitution > 0.0) {
+                let manifold = &mut self.contacts[m.contact as usize].manifolds[m.manifold as usize];
+                let normals = &plan.rows[(m.first + m.layout.first_normal()) as usize..][..manifold.points.len()];
+                let separations: ArrayVec<f32, 4> = manifold
+                    .points
+                    .iter()
+                    .zip(normals)
+                    .map(|(p, r)| p.separation + r.displacement(&plan.bodies))
+                    .collect();
+                let impact = Impact {
+                    body_a: normals[0].body_a,
+                    body_b: normals[0].body_b,
+                    surface: m.surface,
+                    restitution: m.restitution,
+                    threshold,
+                    h,
+                };
+                let mut impulses = [0.0; 4];
+                any |= restitution::resolve(&impact, manifold, &separations, model, &mut plan.bodies, |i, impulse| {
+                    impulses[i] = impulse;
+                });
+                for (point, impulse) in manifold.points.iter_mut().zip(impulses) {
+                    point.impulse += impulse;
+                }
+            }
+            if !any {
+                break;
+            }
+        }
+    }
+
+    fn start_warm(&mut self, plan: &mut Plan, substep: u32) {
+        let options = &self.options.solver.warm_start;
+        let factor = match (options.enabled, substep) {
+            (false, _) => 0.0,
+            (true, 0) => options.factor,
+            // Within a step the impulses of the last substep are the best guess there is.
+            (true, _) => 1.0,
+        };
+        if self.blends_shock() {
+            // Both solutions start from the same velocities: each applies the impulses itself.
+            for row in &mut plan.rows {
+                row.lambda *= factor;
+            }
+        } else {
+            warm_start::warm_start(factor, &mut plan.rows, &mut plan.bodies);
+        }
+    }
+
+    fn blends_shock(&self) -> bool {
+        let shock = &self.options.solver.shock_propagation;
+        shock.enabled && shock.blend < 1.0
+    }
+
+    /// The sweeps with recovery; with blended shock propagation, both solutions and their mean.
+    fn velocity_sweeps(&mut self, plan: &mut Plan) {
+        if self.blends_shock() {
+            self.blended_sweeps(plan);
+        } else {
+            self.sweeps(plan);
+        }
+        if self.options.report.residual {
+            self.report.residual = residual::residual(&plan.rows, &plan.bodies);
+        }
+    }
+
+    fn sweeps(&mut self, plan: &mut Plan) {
+        for sweep in 0..self.options.solver.sweeps {
+            self.one_sweep(plan, sweep);
+            if self.options.report.residual_by_sweep {
+                self.report.residual_by_sweep.push(residual::residual(&plan.rows, &plan.bodies));
+            }
+        }
+    }
+
+    fn one_sweep(&mut self, plan: &mut Plan, sweep: u32) {
+        permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
+        let shock = &self.options.solver.shock_propagation;
+        if shock.enabled && shock.blend >= 1.0 {
+            // From the ground up, whatever the permutation did within a level.
+            shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
+        }
+        reference::sweep(&plan.units, &mut plan.rows, &plan.blocks, &mut plan.bodies);
+        self.report.sweeps += 1;
+    }
+
+    /// λ = (1−c)λ₀ + cλ₁ from two solves with the same start. TALK D7.
+    fn blended_sweeps(&mut self, plan: &mut Plan) {
+        let c = self.options.solver.shock_propagation.blend;
+        let start: Vec<SolverBody> = plan.bodies.clone();
+        let first: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
+        let scales: Vec<MassScale> = plan.rows.iter().map(|r| r.scale).collect();
+
+        apply_all(plan);
+        self.sweeps(plan);
+        let plain: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
+
+        plan.bodies.clone_from(&start);
+        for (row, lambda) in plan.rows.iter_mut().zip(&first) {
+            row.lambda = *lambda;
+        }
+        scale_contacts(plan, shock_propagation::scale);
+        refresh_masses(plan);
+        apply_all(plan);
+        let order = plan.units.clone();
+        for sweep in 0..self.options.solver.sweeps {
+            permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
+            shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
+            reference::sweep(&plan.units, &mut plan.rows, &plan.blocks, &mut plan.bodies);
+            self.report.sweeps += 1;
+        }
+        plan.units = order;
+
+        plan.bodies.clone_from(&start);
+        for ((row, plain), scale) in plan.rows.iter_mut().zip(&plain).zip(scales) {
+            row.lambda = (1.0 - c) * plain + c * row.lambda;
+            row.scale = scale;
+        }
+        refresh_masses(plan);
+        apply_all(plan);
+    }
+
+    /// Takes the solver's velocities into the bodies: L changes by I Δω, so it stays exact where nothing pushed.
+    fn commit_velocities(&mut self, plan: &mut Plan) {
+        for (body, &slot) in plan.bodies[1..].iter().zip(&plan.movers) {
+            let state = self.bodies.at_mut(slot);
+            if !state.is_dynamic() {
+                continue;
+            }
+            state.velocity = body.velocity;
+            let change = body.angular_velocity - state.angular_velocity;
+            if change != Vec3::ZERO {
+                state.angular_velocity = body.angular_velocity;
+                state.angular_momentum += spin_of(state).inertia_times(change);
+            }
+        }
+    }
+
+    /// x += h v; R by the scheme of the rotation; kinematic bodies move as they are told.
+    fn move_bodies(&mut self, plan: &mut Plan, h: f32) {
+        let motion = &self.options.motion;
+        let max_speed = motion.max_speed * self.options.length_scale.sqrt();
+        for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
+            let state = self.bodies.at_mut(slot);
+            if state.is_dynamic() {
+                state.velocity = forces::limited(state.velocity, max_speed);
+                let mut spin = spin_of(state);
+                forces::limit_spin(&mut spin, motion.max_angular_speed);
+                body.turn += h * spin.angular_velocity;
+                motion::advance(motion.rotation, &mut spin, state.has_locked_rotation(), h);
+                state.rotation = spin.rotation;
+                state.angular_momentum = spin.angular_momentum;
+                state.angular_velocity = spin.angular_velocity;
+            } else {
+                body.turn += h * state.angular_velocity;
+                state.rotation = motion::turned(state.rotation, state.angular_velocity, h);
+            }
+            state.center += h * state.velocity;
+            body.translation += h * state.velocity;
+            (body.velocity, body.angular_velocity) = (state.velocity, state.angular_velocity);
+        }
+    }
+
+    /// Impulses and separations back into contacts and joints, for the next step and for reports.
+    fn store_impulses(&mut self, plan: &Plan, dt: f32) {
+        let model = self.options.solver.friction;
+        let mut lambdas: ArrayVec<f32, 16> = ArrayVec::new();
+        for m in &plan.manifolds {
+            let rows = &plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
+            let manifold = &mut self.contacts[m.contact as usize].manifolds[m.manifold as usize];
+            lambdas.clear();
+            lambdas.extend(rows.iter().map(|r| r.lambda));
+            contact::store(manifold, &m.surface, model, &lambdas);
+            let normals = &rows[m.layout.first_normal() as usize..];
+            for (point, row) in manifold.points.iter_mut().zip(normals) {
+                point.impulse += row.total_lambda;
+                // Linear, so that frozen rows live on without creeping. TALK D10.
+                point.separation += row.displacement(&plan.bodies);
+            }
+        }
+        for j in &plan.joints {
+            let rows = &plan.rows[j.first as usize..(j.first + j.count) as usize];
+            let joint = self.joints.at_mut(j.joint);
+            for (stored, row) in joint.lambdas.iter_mut().zip(rows) {
+                *stored = row.lambda;
+            }
+            let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
+            let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
+            let arm_a = joint.resolved.arm_a(&a);
+            let (impulse, angular_impulse) = reaction(rows.iter().map(|r| (r.jacobian, r.total_lambda)), arm_a);
+            (joint.force, joint.torque) = (impulse / dt, angular_impulse / dt);
+            joint.resolved.refresh(&joint.definition.kind, &a, &b);
+            joint.anchor_error = joint.resolved.anchor_error(&joint.definition.kind, &a, &b);
+        }
+    }
+}
+
+/// What the biases found on their way.
+struct Gaps {
+    any_bounce: bool,
+}
+
+/// M⁻¹Jᵀ and effective masses of all rows, for the inertia as it is.
+fn refresh_masses(plan: &mut Plan) {
+    for row in &mut plan.rows {
+        row.refresh_mass(&plan.bodies);
+    }
+    couple_disks(&mut plan.rows);
+    for block in &mut plan.blocks {
+        block.factor(&plan.rows);
+    }
+}
+
+fn apply_all(plan: &mut Plan) {
+    for row in &plan.rows {
+        row.apply(&mut plan.bodies, row.lambda);
+    }
+}
+
+fn spin_of(state: &BodyState) -> Spin {
+    Spin {
+        rotation: state.rotation,
+        principal_frame: state.mass.principal_frame,
+        principal_inertia: state.mass.principal_inertia,
+        inverse_principal_inertia: state.inverse_principal_inertia,
+        angular_momentum: state.angular_momentum,
+        angular_velocity: state.angular_velocity,
+    }
+}

@@ -1,0 +1,213 @@
+//! The table of rows and the bodies they act on: what every technique edits and every sweep reads.
+
+use crate::constraint::contact::ContactRow;
+use crate::constraint::friction::Coupling;
+use crate::constraint::row::{Jacobian, RowSpec};
+use crate::math::{Mat3, Vec3};
+
+/// A body as the solver sees it. Index 0 is the ground: no velocity, no inverse mass.
+#[derive(Clone, Copy, Debug)]
+pub struct SolverBody {
+    /// Of the center of mass, m/s.
+    pub velocity: Vec3,
+    /// rad/s, world.
+    pub angular_velocity: Vec3,
+    /// 1/m by world axis, 1/kg; zero along locked axes and for bodies that forces do not move.
+    pub inverse_mass: Vec3,
+    /// I⁻¹ in world, 1/(kg·m²).
+    pub inverse_inertia: Mat3,
+    /// How far the center moved in this step, m.
+    pub translation: Vec3,
+    /// How far the body turned in this step, Σ h ω, rad.
+    pub turn: Vec3,
+    /// Hops from the ground.
+    pub height: u32,
+}
+
+impl SolverBody {
+    /// The ground.
+    pub const GROUND: Self = Self {
+        velocity: Vec3::ZERO,
+        angular_velocity: Vec3::ZERO,
+        inverse_mass: Vec3::ZERO,
+        inverse_inertia: Mat3::ZERO,
+        translation: Vec3::ZERO,
+        turn: Vec3::ZERO,
+        height: 0,
+    };
+}
+
+/// M⁻¹Jᵀ of one row: what a unit impulse adds to the velocities.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// Of A, m/s per N·s.
+    pub linear_a: Vec3,
+    /// Of A, rad/s per N·s.
+    pub angular_a: Vec3,
+    /// Of B.
+    pub linear_b: Vec3,
+    /// Of B.
+    pub angular_b: Vec3,
+}
+
+/// Multiples of the inverse masses that a row sees: the column that shock propagation and WA edit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MassScale {
+    /// Of the inverse mass of A.
+    pub mass_a: f32,
+    /// Of the inverse inertia of A.
+    pub inertia_a: f32,
+    /// Of the inverse mass of B.
+    pub mass_b: f32,
+    /// Of the inverse inertia of B.
+    pub inertia_b: f32,
+}
+
+impl MassScale {
+    /// The masses as they are.
+    pub const ONE: Self = Self { mass_a: 1.0, inertia_a: 1.0, mass_b: 1.0, inertia_b: 1.0 };
+}
+
+/// A scalar constraint between two bodies: w = J u + γλ + bias, λ in [lower, upper]. TALK C3.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// Index of the first body in the plan.
+    pub body_a: u32,
+    /// Index of the second.
+    pub body_b: u32,
+    /// J.
+    pub jacobian: Jacobian,
+    /// What techniques make of the inverse masses.
+    pub scale: MassScale,
+    /// M⁻¹Jᵀ, scaled.
+    pub response: Response,
+    /// 1/(J M⁻¹Jᵀ + γ).
+    pub effective_mass: f32,
+    /// γ.
+    pub softness: f32,
+    /// With recovery of position errors; the sweep reads this one.
+    pub bias: f32,
+    /// Without; copied to `bias` for relax sweeps.
+    pub relax_bias: f32,
+    /// Least λ.
+    pub lower: f32,
+    /// Greatest λ.
+    pub upper: f32,
+    /// Whose impulses bound it.
+    pub coupling: Coupling,
+    /// For the first row of a disk: J₁ M⁻¹J₂ᵀ, the coupling with its partner.
+    pub cross_mass: f32,
+    /// λ, N·s or N·m·s.
+    pub lambda: f32,
+    /// λ summed over the substeps.
+    pub total_lambda: f32,
+}
+
+impl Row {
+    /// J u, m/s or rad/s.
+    #[inline]
+    pub fn velocity(&self, bodies: &[SolverBody]) -> f32 {
+        let (a, b) = (&bodies[self.body_a as usize], &bodies[self.body_b as usize]);
+        self.jacobian.linear.dot(a.velocity - b.velocity)
+            + self.jacobian.angular_a.dot(a.angular_velocity)
+            + self.jacobian.angular_b.dot(b.angular_velocity)
+    }
+
+    /// u += M⁻¹Jᵀ Δλ.
+    #[inline]
+    pub fn apply(&self, bodies: &mut [SolverBody], delta_lambda: f32) {
+        let a = &mut bodies[self.body_a as usize];
+        a.velocity += self.response.linear_a * delta_lambda;
+        a.angular_velocity += self.response.angular_a * delta_lambda;
+        let b = &mut bodies[self.body_b as usize];
+        b.velocity += self.response.linear_b * delta_lambda;
+        b.angular_velocity += self.response.angular_b * delta_lambda;
+    }
+
+    /// J·δ: what the motion of this step did along the row, m or rad.
+    #[inline]
+    pub fn displacement(&self, bodies: &[SolverBody]) -> f32 {
+        let (a, b) = (&bodies[self.body_a as usize], &bodies[self.body_b as usize]);
+        self.jacobian.linear.dot(a.translation - b.translation)
+            + self.jacobian.angular_a.dot(a.turn)
+            + self.jacobian.angular_b.dot(b.turn)
+    }
+
+    /// Fills in what depends on the masses: M⁻¹Jᵀ and 1/(J M⁻¹Jᵀ + γ).
+    pub fn refresh_mass(&mut self, bodies: &[SolverBody]) {
+        self.response =
+            response(&self.jacobian, &bodies[self.body_a as usize], &bodies[self.body_b as usize], self.scale);
+        let k = inner(&self.jacobian, &self.response) + self.softness;
+        self.effective_mass = if k > 0.0 { 1.0 / k } else { 0.0 };
+    }
+}
+
+/// M⁻¹Jᵀ with scaled masses.
+#[inline]
+pub fn response(j: &Jacobian, a: &SolverBody, b: &SolverBody, scale: MassScale) -> Response {
+    Response {
+        linear_a: a.inverse_mass * j.linear * scale.mass_a,
+        angular_a: a.inverse_inertia * j.angular_a * scale.inertia_a,
+        linear_b: -(b.inverse_mass * j.linear) * scale.mass_b,
+        angular_b: b.inverse_inertia * j.angular_b * scale.inertia_b,
+    }
+}
+
+/// J · (M⁻¹J'ᵀ) of two rows between the same two bodies.
+#[inline]
+pub fn inner(j: &Jacobian, r: &Response) -> f32 {
+    j.linear.dot(r.linear_a - r.linear_b) + j.angular_a.dot(r.angular_a) + j.angular_b.dot(r.angular_b)
+}
+
+impl Row {
+    /// A row of a contact; masses come in with [`Row::refresh_mass`].
+    pub fn of_contact(spec: &ContactRow, body_a: u32, body_b: u32) -> Self {
+        Self {
+            body_a,
+            body_b,
+            jacobian: spec.jacobian,
+            scale: MassScale::ONE,
+            response: Response::default(),
+            effective_mass: 0.0,
+            softness: 0.0,
+            bias: spec.bias,
+            relax_bias: spec.bias,
+            lower: 0.0,
+            upper: f32::INFINITY,
+            coupling: spec.coupling,
+            cross_mass: 0.0,
+            lambda: spec.lambda,
+            total_lambda: 0.0,
+        }
+    }
+
+    /// A row of a joint; masses come in with [`Row::refresh_mass`].
+    pub fn of_joint(spec: &RowSpec, body_a: u32, body_b: u32, lambda: f32) -> Self {
+        Self {
+            body_a,
+            body_b,
+            jacobian: spec.jacobian,
+            scale: MassScale::ONE,
+            response: Response::default(),
+            effective_mass: 0.0,
+            softness: spec.softness,
+            bias: spec.bias,
+            relax_bias: spec.relax_bias,
+            lower: spec.lower,
+            upper: spec.upper,
+            coupling: Coupling::None,
+            cross_mass: 0.0,
+            lambda,
+            total_lambda: 0.0,
+        }
+    }
+}
+
+/// Fills in J₁ M⁻¹J₂ᵀ of every disk.
+pub fn couple_disks(rows: &mut [Row]) {
+    for i in 0..rows.len() {
+        if let Coupling::Disk(_) = rows[i].coupling {
+            rows[i].cross_mass = inner(&rows[i].jacobian, &rows[i + 1].response);
+        }
+    }
+}

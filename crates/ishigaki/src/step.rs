@@ -1,0 +1,156 @@
+//! One step: the ten stages in their order, and nothing else. The stages live in the folders.
+
+use crate::collision::update::NarrowScratch;
+use crate::hooks::StepContext;
+use crate::island::{aggressive_sleep, sleep};
+use crate::report::{Stage, StepReport};
+use crate::solver::height;
+use crate::solver::plan::{self, Plan};
+use crate::world::World;
+
+/// Arrays that are used again in each step, so that a settled world allocates nothing.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    pub moved_shapes: Vec<u32>,
+    pub new_pairs: Vec<(u32, u32)>,
+    pub gone_pairs: Vec<(u32, u32, bool)>,
+    pub narrow: NarrowScratch,
+    pub parents: Vec<u32>,
+    pub awake_roots: Vec<bool>,
+    pub island_numbers: Vec<u32>,
+    pub restless_islands: Vec<bool>,
+    pub links: Vec<(u32, u32)>,
+    pub heights: Vec<u32>,
+    pub is_ground: Vec<bool>,
+    pub height: height::Scratch,
+    pub plan: Plan,
+}
+
+impl World {
+    /// Advances by `dt` seconds. Never fails: the report says what happened.
+    ///
+    /// ```
+    /// use ishigaki::{Body, Shape, Vec3, World};
+    /// let mut world = World::default();
+    /// let ball = world.add_body(Body::dynamic(Shape::ball(0.5)).at(Vec3::Y * 10.0))?;
+    /// let report = world.step(1.0 / 60.0);
+    /// assert_eq!(report.bodies, 1);
+    /// assert!(world.body(ball).unwrap().velocity().y < 0.0);
+    /// # Ok::<(), ishigaki::Error>(())
+    /// ```
+    pub fn step(&mut self, dt: f32) -> StepReport {
+        self.step_with(dt, &mut StepContext::default())
+    }
+
+    /// Advances by `dt` seconds with a clock for stage timings and a say in contacts.
+    pub fn step_with(&mut self, dt: f32, context: &mut StepContext<'_>) -> StepReport {
+        let mut watch = Watch::start(context.clock.as_deref_mut());
+        let mut plan = std::mem::take(&mut self.scratch.plan);
+
+        if self.begin(dt) {
+            watch.lap(Stage::Begin);
+            self.find_pairs(dt);
+            watch.lap(Stage::FindPairs);
+            self.update_contacts(dt, context.hooks.as_deref_mut());
+            watch.lap(Stage::UpdateContacts);
+            self.build_islands(dt);
+            watch.lap(Stage::BuildIslands);
+            self.gather_forces(dt);
+            watch.lap(Stage::GatherForces);
+            self.build_rows(&mut plan, dt);
+            watch.lap(Stage::BuildRows);
+            plan::plan_sweep(&mut plan, &self.options.solver);
+            watch.lap(Stage::PlanSweep);
+            self.solve(&mut plan, dt);
+            watch.lap(Stage::Solve);
+            self.finish_motion(dt);
+            watch.lap(Stage::FinishMotion);
+            self.put_to_rest(dt);
+            self.complete_report(&plan);
+            watch.lap(Stage::PutToRest);
+        }
+
+        self.scratch.plan = plan;
+        self.report.stage_seconds = watch.seconds;
+        self.report.clone()
+    }
+
+    /// Forgets the last step; refuses a Δt that is no Δt; takes out bodies that are not finite.
+    fn begin(&mut self, dt: f32) -> bool {
+        let mut residuals = std::mem::take(&mut self.report.residual_by_sweep);
+        residuals.clear();
+        self.report = StepReport { residual_by_sweep: residuals, ..StepReport::default() };
+        self.events.clear();
+        self.events.append(&mut self.pending_events);
+        if !(dt.is_finite() && dt > 0.0) {
+            self.report.rejected = Some(format!("the step must be finite and > 0 s, is {dt}"));
+            return false;
+        }
+        let sleeps = self.options.rest.sleep.enabled;
+        for (_, body) in self.bodies.iter_mut() {
+            body.previous_pose = body.pose();
+            body.broken = !body.is_finite();
+            if !sleeps && body.asleep {
+                body.wake();
+            }
+        }
+        true
+    }
+
+    /// Velocities of kinematic bodies from their targets; gravity and user forces act in each substep.
+    fn gather_forces(&mut self, dt: f32) {
+        for (_, body) in self.bodies.iter_mut() {
+            body.aim_at_target(dt);
+        }
+    }
+
+    /// Exact poses of kinematic bodies, stops at walls, forces forgotten.
+    fn finish_motion(&mut self, dt: f32) {
+        self.stop_at_walls();
+        for (_, body) in self.bodies.iter_mut() {
+            if let Some(target) = body.kinematic_target.take() {
+                body.rotation = target.rotation;
+                body.center = target.translation + target.rotation * body.mass.center;
+                body.target_driven = true;
+            }
+            (body.force, body.torque) = (crate::math::Vec3::ZERO, crate::math::Vec3::ZERO);
+        }
+        self.time += f64::from(dt);
+        self.step_count += 1;
+    }
+
+    fn put_to_rest(&mut self, dt: f32) {
+        let (rest, scale) = (self.options.rest.clone(), self.options.length_scale);
+        for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_active()) {
+            sleep::count_rest_time(body, &rest.sleep, scale, dt);
+            aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
+        }
+        if rest.sleep.enabled {
+            self.put_islands_to_sleep();
+        }
+        self.break_joints();
+        self.notice_forces(dt);
+    }
+}
+
+/// Laps between stages on the caller's clock.
+struct Watch<'a, 'b> {
+    clock: Option<&'a mut (dyn FnMut() -> f64 + 'b)>,
+    last: f64,
+    seconds: [f64; 10],
+}
+
+impl<'a, 'b> Watch<'a, 'b> {
+    fn start(mut clock: Option<&'a mut (dyn FnMut() -> f64 + 'b)>) -> Self {
+        let last = clock.as_mut().map_or(0.0, |read| read());
+        Self { clock, last, seconds: [0.0; 10] }
+    }
+
+    fn lap(&mut self, stage: Stage) {
+        if let Some(clock) = &mut self.clock {
+            let now = clock();
+            self.seconds[stage as usize] = now - self.last;
+            self.last = now;
+        }
+    }
+}
