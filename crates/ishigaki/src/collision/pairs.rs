@@ -5,7 +5,6 @@
 
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::manifold::Contact;
-use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::world::World;
 
@@ -89,9 +88,7 @@ impl World {
     fn add_new_pairs(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.new_pairs);
         found.clear();
-        let mut broad_phase = std::mem::take(&mut self.broad_phase);
-        broad_phase.pairs_of(&self.scratch.moved_shapes, |a, b| self.may_touch(a, b), &mut found);
-        self.broad_phase = broad_phase;
+        self.broad_phase.pairs_of(&self.scratch.moved_shapes, |a, b| self.may_touch(a, b), &mut found);
         found.retain(|&pair| self.contacts.binary_search_by_key(&pair, |c| (c.shape_a, c.shape_b)).is_err());
         if !found.is_empty() {
             for &(a, b) in &found {
