@@ -355,7 +355,8 @@ fn reaction_is_weight_and_lever() {
     resolved.rows(&joint.kind, &a, &b, &STEP, &mut rows);
     let mut u = [DVec3::ZERO, DVec3::ZERO, DVec3::new(0.0, -9.81 * h, 0.0), DVec3::ZERO];
     let lambdas: Vec<f32> = solve(&rows, A_IS_FIXED, &mut u).into_iter().map(|l| l as f32).collect();
-    let (impulse, angular) = reaction(&rows, &lambdas, resolved.arm_a(&a));
+    let with_impulses = rows.iter().zip(&lambdas).map(|(row, &lambda)| (row.jacobian, lambda));
+    let (impulse, angular) = reaction(with_impulses, resolved.arm_a(&a));
     let (force, torque) = (wide(impulse) / h, wide(angular) / h);
     assert!((force - DVec3::new(0.0, -9.81, 0.0)).length() < 1e-3, "{force}");
     assert!((torque - DVec3::new(0.0, 0.0, -2.0 * 9.81)).length() < 1e-3, "{torque}");
