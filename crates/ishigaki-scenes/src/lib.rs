@@ -12,8 +12,12 @@
 pub mod error;
 pub mod file;
 pub mod measure;
+mod mesh;
+mod mjcf;
+pub mod models;
 pub mod named;
 pub mod options;
+mod urdf;
 
 pub use error::{Result, SceneError};
 pub use file::{Scene, SceneFile, scene_schema};
