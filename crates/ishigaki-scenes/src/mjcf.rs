@@ -174,12 +174,9 @@ impl<'a> Reader<'a> {
                     let inside = Inside { around, frame, ..inside };
                     stack.extend(document.children(id).iter().rev().map(|&c| (c, inside)));
                 }
-                "body" => children.push(BodyTask {
-                    element: id,
-                    parent: link,
-                    around: inside.around,
-                    frame: inside.frame,
-                }),
+                "body" => {
+                    children.push(BodyTask { element: id, parent: link, around: inside.around, frame: inside.frame })
+                }
                 "geom" => self.geom(id, inside, from_geoms)?,
                 "joint" | "freejoint" => {
                     if link == 0 {
@@ -229,11 +226,9 @@ impl<'a> Reader<'a> {
         }
         let pose = self.compiler.pose(&a)?;
         let matrix = match (a.array::<6>("fullinertia")?, a.array::<3>("diaginertia")?) {
-            (Some([xx, yy, zz, xy, xz, yz]), _) => DMat3::from_cols(
-                DVec3::new(xx, xy, xz),
-                DVec3::new(xy, yy, yz),
-                DVec3::new(xz, yz, zz),
-            ),
+            (Some([xx, yy, zz, xy, xz, yz]), _) => {
+                DMat3::from_cols(DVec3::new(xx, xy, xz), DVec3::new(xy, yy, yz), DVec3::new(xz, yz, zz))
+            }
             (None, Some(diagonal)) => DMat3::from_diagonal(DVec3::from_array(diagonal)),
             (None, None) => return Err(a.error("diaginertia", "either this or fullinertia is needed")),
         };

@@ -52,8 +52,8 @@ pub struct Import {
 /// A file that cannot be read or is neither of the two; all that [`import_mjcf_str`] and [`import_urdf_str`] refuse.
 pub fn import(path: &Path, options: &ImportOptions) -> Result<Import, SceneError> {
     let name = path.display().to_string();
-    let text = std::fs::read_to_string(path)
-        .map_err(|e| SceneError::File { path: name.clone(), message: e.to_string() })?;
+    let text =
+        std::fs::read_to_string(path).map_err(|e| SceneError::File { path: name.clone(), message: e.to_string() })?;
     let base = path.parent().unwrap_or(Path::new("."));
     let file = path.file_name().map_or_else(|| name.clone(), |f| f.to_string_lossy().into_owned());
     // Well-formed or not, the root's tag says what was meant; the reader names what is wrong.
@@ -112,9 +112,7 @@ pub(crate) fn lowest(geometry: &Geometry, world_from_shape: DPose3, up: DVec3) -
     };
     let below = match geometry {
         Geometry::Ball { radius } => -f64::from(*radius),
-        Geometry::Cuboid { half_extents: h } => {
-            -(local.abs().dot(DVec3::new(h.x.into(), h.y.into(), h.z.into())))
-        }
+        Geometry::Cuboid { half_extents: h } => -(local.abs().dot(DVec3::new(h.x.into(), h.y.into(), h.z.into()))),
         Geometry::Capsule { half_length, radius } => -f64::from(*half_length) * local.y.abs() - f64::from(*radius),
         Geometry::Cylinder { half_height, radius } => {
             -f64::from(*half_height) * local.y.abs() - f64::from(*radius) * across

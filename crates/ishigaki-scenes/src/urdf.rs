@@ -24,8 +24,20 @@ const FRICTION: f64 = 0.6;
 const NO_LIMIT: f64 = 1e6;
 /// Elements of links and joints that are read or only seen.
 const KNOWN: [&str; 14] = [
-    "inertial", "visual", "collision", "origin", "parent", "child", "axis", "limit", "dynamics", "calibration",
-    "material", "mimic", "safety_controller", "self_collision_checking",
+    "inertial",
+    "visual",
+    "collision",
+    "origin",
+    "parent",
+    "child",
+    "axis",
+    "limit",
+    "dynamics",
+    "calibration",
+    "material",
+    "mimic",
+    "safety_controller",
+    "self_collision_checking",
 ];
 
 pub(crate) fn import(xml: &str, file: &str, base: &Path, options: &ImportOptions) -> Result<Import, SceneError> {
@@ -106,7 +118,8 @@ impl<'a> Reader<'a> {
 
     fn graph(&self) -> Result<Graph<'a>, SceneError> {
         let document = self.document;
-        let of = |tag: &'static str| document.children(0).iter().copied().filter(move |&c| document.element(c).tag == tag);
+        let of =
+            |tag: &'static str| document.children(0).iter().copied().filter(move |&c| document.element(c).tag == tag);
         let mut links = BTreeMap::new();
         for id in of("link") {
             let name = document.attributes(id, None).required("name")?;
@@ -175,7 +188,9 @@ impl<'a> Reader<'a> {
             };
             let origin = self.origin(collision)?;
             let Some(&form) = document.children(geometry).first() else {
-                return Err(document.error(geometry, "is empty: it needs a <box>, <cylinder>, <sphere>, <capsule> or <mesh>"));
+                return Err(
+                    document.error(geometry, "is empty: it needs a <box>, <cylinder>, <sphere>, <capsule> or <mesh>")
+                );
             };
             if let Some((geometry, turn)) = self.geometry(form)? {
                 // All shapes touch each other but for neighbors.

@@ -52,7 +52,8 @@ impl Assets {
             };
             // Without a name, the file's is taken.
             let stem = |file: &str| Path::new(file).file_stem().map(|s| s.to_string_lossy().into_owned());
-            let name = element.attribute("name").map(str::to_owned).or_else(|| element.attribute("file").and_then(stem));
+            let name =
+                element.attribute("name").map(str::to_owned).or_else(|| element.attribute("file").and_then(stem));
             if let Some(name) = name {
                 table.insert(name, id);
             }
@@ -184,7 +185,9 @@ impl<'a> Reader<'a> {
             _ => 0,
         };
         if let Some(i) = (0..needed).find(|&i| size[i] <= 0.0) {
-            return Err(a.error("size", format!("a {kind} needs {needed} numbers > 0, number {} is {}", i + 1, size[i])));
+            return Err(
+                a.error("size", format!("a {kind} needs {needed} numbers > 0, number {} is {}", i + 1, size[i]))
+            );
         }
         let [x, y, z] = size;
         let half = DVec3::from_array(size);
@@ -192,9 +195,7 @@ impl<'a> Reader<'a> {
         let solid = |geometry: Geometry, turn: DQuat, inertia: Inertia| Form { geometry, turn, inertia: Some(inertia) };
         let form = match kind {
             "sphere" => solid(Geometry::Ball { radius: r }, DQuat::IDENTITY, unit_density::ball(x)),
-            "capsule" => {
-                solid(Geometry::Capsule { half_length: h, radius: r }, y_to_z(), unit_density::capsule(y, x))
-            }
+            "capsule" => solid(Geometry::Capsule { half_length: h, radius: r }, y_to_z(), unit_density::capsule(y, x)),
             "cylinder" => {
                 solid(Geometry::Cylinder { half_height: h, radius: r }, y_to_z(), unit_density::cylinder(y, x))
             }
@@ -291,8 +292,8 @@ impl<'a> Reader<'a> {
         let range = if most > least { most - least } else { 1.0 };
         let heights = data.iter().map(|h| ((h - least) / range * top) as f32).collect();
         let (size_x, size_z) = ((2.0 * radius_x) as f32, (2.0 * radius_y) as f32);
-        let built = HeightField::new(rows, columns, heights, size_x, size_z)
-            .map_err(|e| self.document.error(asset, e))?;
+        let built =
+            HeightField::new(rows, columns, heights, size_x, size_z).map_err(|e| self.document.error(asset, e))?;
         Ok(Form { geometry: Geometry::HeightField(Arc::new(built)), turn: y_to_z(), inertia: None })
     }
 }
@@ -304,7 +305,9 @@ fn inline_mesh(a: &Attributes, numbers: &[f64]) -> Result<TriangleSoup, SceneErr
     for face in faces.chunks_exact(3) {
         let known = |f: f64| f >= 0.0 && f < vertices.len() as f64 && f.fract() == 0.0;
         if !face.iter().all(|&f| known(f)) {
-            return Err(a.error("face", format!("({}, {}, {}) names a vertex that is not there", face[0], face[1], face[2])));
+            return Err(
+                a.error("face", format!("({}, {}, {}) names a vertex that is not there", face[0], face[1], face[2]))
+            );
         }
         triangles.push([face[0] as u32, face[1] as u32, face[2] as u32]);
     }

@@ -69,12 +69,7 @@ impl<'a> Reader<'a> {
         self.name_joint(id, link, 0)
     }
 
-    fn coordinate(
-        &mut self,
-        kind: CoordinateKind,
-        inside: Inside,
-        a: &Attributes,
-    ) -> Result<Coordinate, SceneError> {
+    fn coordinate(&mut self, kind: CoordinateKind, inside: Inside, a: &Attributes) -> Result<Coordinate, SceneError> {
         let anchor = inside.frame * a.array("pos")?.map_or(DVec3::ZERO, DVec3::from_array);
         let axis = a.array("axis")?.map_or(DVec3::Z, DVec3::from_array);
         let axis = axis.try_normalize().ok_or_else(|| a.error("axis", "has no direction"))?;

@@ -21,7 +21,11 @@ const LEAST_GYRATION: f64 = 1e-3;
 /// What a link that moves but has no mass is given: kg, and m of gyration.
 const MISSING_MASS: (f64, f64) = (0.01, 0.01);
 
-pub(crate) fn assemble(tree: &Tree, options: &ImportOptions, warnings: &mut Vec<String>) -> Result<SceneFile, SceneError> {
+pub(crate) fn assemble(
+    tree: &Tree,
+    options: &ImportOptions,
+    warnings: &mut Vec<String>,
+) -> Result<SceneFile, SceneError> {
     let places = Places::of(tree);
     let mut assembly = Assembly {
         tree,
@@ -120,7 +124,8 @@ impl Assembly<'_> {
         pieces.extend(&floor);
         let (groups, exact) = groups(&pieces, &self.exceptions());
         if !exact {
-            let message = "contact filters: more than 32 kinds of shapes; the last of them touch more than the file says";
+            let message =
+                "contact filters: more than 32 kinds of shapes; the last of them touch more than the file says";
             self.warnings.push(message.into());
         }
         let (materials, inexact) = materials(&pieces);
@@ -319,7 +324,8 @@ impl Assembly<'_> {
         for (i, link) in self.tree.links.iter().enumerate() {
             let parent = self.places.root[link.parent];
             let fixed_parent = self.places.fixed[parent];
-            let excluded = if fixed_parent { self.tree.rules.exclude_fixed_parent } else { self.tree.rules.exclude_parent };
+            let excluded =
+                if fixed_parent { self.tree.rules.exclude_fixed_parent } else { self.tree.rules.exclude_parent };
             match &link.motion {
                 Motion::Joints(coordinates) => {
                     let a = self.body_at(parent);

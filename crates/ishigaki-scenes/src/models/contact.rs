@@ -50,8 +50,7 @@ pub(crate) fn groups(pieces: &[&Piece], exceptions: &Exceptions) -> (Vec<Groups>
         })
         .collect();
     // Kinds that touch the same kinds are one class.
-    let rows: Vec<Vec<bool>> =
-        kinds.iter().map(|a| kinds.iter().map(|b| exceptions.allow(a, b)).collect()).collect();
+    let rows: Vec<Vec<bool>> = kinds.iter().map(|a| kinds.iter().map(|b| exceptions.allow(a, b)).collect()).collect();
     let mut classes: Vec<&Vec<bool>> = Vec::new();
     let class_of: Vec<usize> = rows
         .iter()
@@ -64,9 +63,7 @@ pub(crate) fn groups(pieces: &[&Piece], exceptions: &Exceptions) -> (Vec<Groups>
         .collect();
     // A class that touches nothing needs no bit.
     let touching: Vec<usize> = (0..classes.len()).filter(|&c| classes[c].contains(&true)).collect();
-    let bit = |class: usize| -> u32 {
-        touching.iter().position(|&c| c == class).map_or(0, |i| 1 << i.min(31))
-    };
+    let bit = |class: usize| -> u32 { touching.iter().position(|&c| c == class).map_or(0, |i| 1 << i.min(31)) };
     let mut masks = vec![0_u32; 32];
     for kind in 0..kinds.len() {
         let own = bit(class_of[kind]);
