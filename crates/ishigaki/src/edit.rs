@@ -25,7 +25,11 @@ impl BodyMut<'_> {
         let angular_velocity = self.body.angular_velocity;
         self.put_angular_velocity(angular_velocity);
         for &slot in &self.body.shapes {
-            self.shapes.at_mut(slot).moved = true;
+            let shape = self.shapes.at_mut(slot);
+            shape.moved = true;
+            // Queries find it there at once; the next step fattens the bounds and looks for pairs.
+            (shape.bounds_min, shape.bounds_max) = shape.tight_bounds(self.body);
+            self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
         }
         Ok(())
     }

@@ -348,7 +348,7 @@ fn extent(place: &str, value: f32) -> Result<()> {
 }
 
 impl Geometry {
-    fn validate(&self) -> Result<()> {
+    pub(crate) fn validate(&self) -> Result<()> {
         match self {
             Self::Ball { radius } => extent("radius", *radius),
             Self::Cuboid { half_extents } => {

@@ -115,6 +115,7 @@ impl World {
             }
             (body.force, body.torque) = (crate::math::Vec3::ZERO, crate::math::Vec3::ZERO);
         }
+        self.hold_bounds();
         self.time += f64::from(dt);
         self.step_count += 1;
     }

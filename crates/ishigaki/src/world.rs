@@ -114,6 +114,7 @@ pub struct ContactView<'a> {
 pub struct BodyMut<'a> {
     pub(crate) body: &'a mut BodyState,
     pub(crate) shapes: &'a mut Arena<ShapeState>,
+    pub(crate) broad_phase: &'a mut BroadPhase,
 }
 
 impl Default for World {
@@ -260,7 +261,7 @@ impl World {
     pub fn body_mut(&mut self, handle: BodyHandle) -> Option<BodyMut<'_>> {
         let body = self.bodies.get_mut(handle.into())?;
         body.wake();
-        Some(BodyMut { body, shapes: &mut self.shapes })
+        Some(BodyMut { body, shapes: &mut self.shapes, broad_phase: &mut self.broad_phase })
     }
 
     /// All bodies in slot order.

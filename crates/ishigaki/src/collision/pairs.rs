@@ -38,6 +38,24 @@ impl World {
         }
     }
 
+    /// After the motion: bounds that a shape left unforeseen grow to hold it, so that queries find it where it is.
+    pub(crate) fn hold_bounds(&mut self) {
+        for (_, body) in self.bodies.iter() {
+            if body.kind == BodyKind::Fixed || body.asleep || body.broken {
+                continue;
+            }
+            for &slot in &body.shapes {
+                let shape = self.shapes.at_mut(slot);
+                let (min, max) = shape.tight_bounds(body);
+                if !(min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all()) {
+                    (shape.bounds_min, shape.bounds_max) = (min.min(shape.bounds_min), max.max(shape.bounds_max));
+                    shape.moved = true;
+                    self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
+                }
+            }
+        }
+    }
+
     fn drop_parted_pairs(&mut self) {
         let (shapes, gone) = (&self.shapes, &mut self.scratch.gone_pairs);
         gone.clear();
