@@ -185,13 +185,7 @@ impl World {
     /// # Ok(())
     /// # }
     /// ```
-    pub fn cast_ray(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        max_distance: f32,
-        filter: &QueryFilter,
-    ) -> Option<RayHit> {
+    pub fn cast_ray(&self, origin: Vec3, direction: Vec3, max_distance: f32, filter: &QueryFilter) -> Option<RayHit> {
         let ray = unit_ray(origin, direction, max_distance)?;
         let mut best: Option<RayHit> = None;
         self.broad_phase.search(
@@ -306,13 +300,7 @@ impl World {
     }
 
     /// Every shape that overlaps `geometry` at `pose`, by [`ShapeId`]. Stops when `found` returns `false`.
-    pub fn overlap(
-        &self,
-        geometry: &Geometry,
-        pose: &Pose,
-        filter: &QueryFilter,
-        found: impl FnMut(ShapeId) -> bool,
-    ) {
+    pub fn overlap(&self, geometry: &Geometry, pose: &Pose, filter: &QueryFilter, found: impl FnMut(ShapeId) -> bool) {
         if !sensible(geometry, pose) {
             return;
         }

@@ -81,8 +81,7 @@ const ALL: QueryFilter<'static> = QueryFilter {
 
 #[test]
 fn rays_meet_each_geometry_where_geometry_says() {
-    let octahedron: Vec<Vec3> =
-        [Vec3::X, Vec3::Y, Vec3::Z].iter().flat_map(|&v| [v, -v]).map(|v| v * 0.5).collect();
+    let octahedron: Vec<Vec3> = [Vec3::X, Vec3::Y, Vec3::Z].iter().flat_map(|&v| [v, -v]).map(|v| v * 0.5).collect();
     let vertices = vec![Vec3::new(-5.0, 0.0, -5.0), Vec3::new(5.0, 0.0, -5.0), Vec3::new(0.0, 0.0, 8.0)];
     // The height at which a ray straight down on x = 0.1, z = 0 meets each.
     let cases = [
