@@ -127,9 +127,11 @@ pub fn rows(m: &Manifold, surface: &Surface, model: FrictionModel, base: u32, mu
     }
 }
 
-/// Arms to the middle of the gap along the normal.
+/// Arms to the middle of the gap along the normal; to the two surfaces where a sweep found the contact from afar,
+/// since that gap is closed by the time the contact pushes.
 fn middle_arms(arm_a: Vec3, arm_b: Vec3, normal: Vec3, separation: f32) -> (Vec3, Vec3) {
-    let half = 0.5 * separation * normal;
+    let from_afar = separation > 0.1 * arm_a.length().min(arm_b.length());
+    let half = if from_afar { Vec3::ZERO } else { 0.5 * separation * normal };
     (arm_a - half, arm_b + half)
 }
 

@@ -93,6 +93,7 @@ impl World {
             body.velocity = state.velocity;
             body.angular_velocity = state.angular_velocity;
             body.inverse_inertia = state.inverse_inertia_world();
+            body.inertia = state.inertia_world();
         }
     }
 
@@ -270,8 +271,13 @@ impl World {
             state.velocity = body.velocity;
             let change = body.angular_velocity - state.angular_velocity;
             if change != Vec3::ZERO {
-                state.angular_velocity = body.angular_velocity;
-                state.angular_momentum += spin_of(state).inertia_times(change);
+                // With the inertia that the rows saw: the sum of all Jᵀλ to rounding, also after the body has turned.
+                state.angular_momentum += body.inertia * change;
+                state.angular_velocity = if state.has_locked_rotation() {
+                    body.angular_velocity
+                } else {
+                    spin_of(state).inverse_inertia_times(state.angular_momentum)
+                };
             }
         }
     }

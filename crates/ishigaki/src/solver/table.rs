@@ -16,6 +16,8 @@ pub struct SolverBody {
     pub inverse_mass: Vec3,
     /// I⁻¹ in world, 1/(kg·m²).
     pub inverse_inertia: Mat3,
+    /// I in world for the same pose, kg·m²: what turns a change of ω back into one of L.
+    pub inertia: Mat3,
     /// How far the center moved in this step, m.
     pub translation: Vec3,
     /// How far the body turned in this step, Σ h ω, rad.
@@ -31,6 +33,7 @@ impl SolverBody {
         angular_velocity: Vec3::ZERO,
         inverse_mass: Vec3::ZERO,
         inverse_inertia: Mat3::ZERO,
+        inertia: Mat3::ZERO,
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,
         height: 0,
