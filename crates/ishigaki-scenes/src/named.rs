@@ -103,11 +103,17 @@ impl Parameter {
         }
         if !(least..=most).contains(&value) {
             let space = if self.unit.is_empty() { "" } else { " " };
+            let (least, most, value) = (short(least), short(most), short(value));
             let message = format!("must be in [{least}, {most}]{space}{}, is {value}", self.unit);
             return Err(SceneError::invalid(place, message));
         }
         Ok(())
     }
+}
+
+/// 1e300 instead of three hundred zeros.
+fn short(value: f64) -> String {
+    if value.abs() < 1e6 { value.to_string() } else { format!("{value:e}") }
 }
 
 const fn count(name: &'static str, default: u32, least: u32, most: u32, doc: &'static str) -> Parameter {
