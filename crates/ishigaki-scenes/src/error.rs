@@ -71,7 +71,7 @@ fn join(outer: &str, inner: &str) -> String {
 pub(crate) fn nearest<'a>(wrong: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = wrong.to_lowercase();
     let distance = |name: &str| strsim::damerau_levenshtein(&lower, &name.to_lowercase());
-    let allowed = (wrong.chars().count() / 3).max(1);
+    let allowed = ((wrong.chars().count() + 1) / 3).max(1);
     known.into_iter().map(|name| (distance(name), name)).filter(|&(d, _)| d <= allowed).min().map(|(_, name)| name)
 }
 

@@ -106,6 +106,10 @@ impl SceneFile {
     /// Text that is not JSON or not a scene (line, column, JSON path and remedy are named), a version that is not
     /// [`FORMAT_VERSION`]. Numbers and references are checked by [`SceneFile::build`].
     pub fn from_json(json: &str, origin: &str) -> Result<Self> {
+        // serde would take a list for a struct: its fields by position.
+        if json.trim_start().starts_with('[') {
+            return Err(SceneError::invalid(origin, "a scene is an object { … }, not a list"));
+        }
         let mut deserializer = serde_json::Deserializer::from_str(json);
         let mut track = serde_path_to_error::Track::new();
         let read = Self::deserialize(serde_path_to_error::Deserializer::new(&mut deserializer, &mut track));

@@ -102,8 +102,7 @@ impl SceneFile {
         if a == b {
             return Err(SceneError::invalid(place, "names one body twice: a pair has two bodies"));
         }
-        let _ = world;
-        Ok(())
+        world.exclude_pair(a, b).map_err(|e| SceneError::from_engine(place, e))
     }
 }
 

@@ -6,7 +6,8 @@ use ishigaki::math::{asin, cos};
 use ishigaki::{Body, Quat, Shape, Vec3};
 
 /// Cards are ten times as large as playing cards: 0.88 × 0.63 m, 0.02 m thick, 800 kg/m³ = 8.87 kg, friction 0.7;
-/// the length scale is 0.25 m, so that the slop is 1/16 of a card's thickness.
+/// the length scale is 0.25 m, so that the slop is 1/16 of a card's thickness. Cards overlap by the slop where they
+/// touch: a house that sinks by the slop at each floor would not stand, by its thin cards' measure.
 ///
 /// A floor is a row of leaning pairs, 0.89 m from pair to pair, and level cards from ridge to ridge, which carry the
 /// next floor, one pair fewer. Cards lean by 28.3° (sin = 0.474), so that the feet of a pair stand just inside the
@@ -16,9 +17,11 @@ pub fn card_house(floors: usize) -> SceneFile {
     const LENGTH: f32 = 0.88;
     const THICK: f32 = 0.02;
     const SPACING: f32 = 0.89;
+    const LENGTH_SCALE: f32 = 0.25;
     let size = floors as f32;
     let mut scene = Builder::on_ground(10, [0.0, 0.5 * size + 0.5, 1.2 * size + 2.0], [0.0, 0.4 * size, 0.0]);
-    scene.file.options.length_scale = 0.25;
+    scene.file.options.length_scale = LENGTH_SCALE;
+    let overlap = scene.file.options.solver.slop.depth * LENGTH_SCALE;
     scene.file.bodies[0].shapes[0].friction = 0.7;
     let card = Body::dynamic(Shape::cuboid(0.5 * THICK, 0.5 * LENGTH, 0.315).density(800.0).friction(0.7));
     let level = Body::dynamic(Shape::cuboid(0.5 * LENGTH, 0.5 * THICK, 0.315).density(800.0).friction(0.7));
@@ -28,7 +31,8 @@ pub fn card_house(floors: usize) -> SceneFile {
     // Half the height and width of a leaning card's bounds.
     let half_height = 0.5 * (LENGTH * cosine + THICK * sine);
     let half_width = 0.5 * (LENGTH * sine + THICK * cosine);
-    let floor_height = 2.0 * half_height + THICK;
+    let ridge = 2.0 * half_height - overlap;
+    let floor_height = ridge + THICK - overlap;
     for floor in 0..floors {
         let pairs = floors - floor;
         let bottom = floor as f32 * floor_height;
@@ -37,11 +41,11 @@ pub fn card_house(floors: usize) -> SceneFile {
             for side in [-1.0, 1.0] {
                 // The card on the right leans to the left, counter-clockwise about z.
                 let rotation = Quat::from_xyzw(0.0, 0.0, side * sine_half, cos(0.5 * lean));
-                let center = Vec3::new(x + side * half_width, bottom + half_height, 0.0);
+                let center = Vec3::new(x + side * (half_width - 0.5 * overlap), bottom + half_height - overlap, 0.0);
                 scene.add(card.clone().at(center).rotated(rotation));
             }
             if i + 1 < pairs {
-                let center = Vec3::new(x + 0.5 * SPACING, bottom + 2.0 * half_height + 0.5 * THICK, 0.0);
+                let center = Vec3::new(x + 0.5 * SPACING, bottom + ridge + 0.5 * THICK - overlap, 0.0);
                 scene.add(level.clone().at(center));
             }
         }
@@ -69,11 +73,13 @@ pub fn dominoes(n: usize) -> SceneFile {
 /// `n` planks of 1 × 0.1 × 0.5 m, 50 kg, on a fixed table (`table`, 1 m high, its edge at x = 0); the k-th from the
 /// top hangs out over the one below it by `fraction`/(2k) m, the lowest over the table's edge.
 ///
+/// The length scale is 0.25 m: the slop of ten planks is less than the ¼ of a plank's height that a stack may move.
 /// The k planks from the top down have their common center 1/(2k) m inside the end of the next: below fraction 1
 /// the stack stands, above 1 it tips at every level at once.
 pub fn overhang(n: usize, fraction: f32) -> SceneFile {
     let mut scene =
         Builder::on_ground(10, [1.0, 2.0 + 0.05 * n as f32, 3.0 + 0.1 * n as f32], [0.5, 1.0 + 0.05 * n as f32, 0.0]);
+    scene.file.options.length_scale = 0.25;
     scene.add(Body::fixed(Shape::cuboid(1.0, 0.5, 1.0)).at(Vec3::new(-1.0, 0.5, 0.0)).named("table"));
     let mut end = 0.0;
     for level in 0..n {

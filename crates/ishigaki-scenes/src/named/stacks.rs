@@ -88,11 +88,12 @@ pub fn plank_on_two_towers(left: usize, right: usize) -> SceneFile {
 /// `n` cubes of 1 m, 1000 kg each, on a fixed plate of 1.5 × 0.2 × 1.5 m called `scale`, its top at y = 0.2 m.
 ///
 /// What the scale reads is [`contact_force`](crate::measure::contact_force) on it: n × 9810 N at rest. Shock
-/// propagation makes it read the lowest box alone.
+/// propagation makes it read the lowest box alone. Sleep is off: contacts of sleeping bodies report no force.
 pub fn scale_under_stack(n: usize) -> SceneFile {
     let height = n as f32;
     let mut scene =
         Builder::on_ground(10, [0.8 * height + 4.0, 0.5 * height + 2.0, 0.8 * height + 4.0], [0.0, 0.5 * height, 0.0]);
+    scene.file.options.rest.sleep.enabled = false;
     scene.add(Body::fixed(Shape::cuboid(0.75, 0.1, 0.75)).at(Vec3::new(0.0, 0.1, 0.0)).named("scale"));
     for k in 0..n {
         scene.add(cube().at(Vec3::new(0.0, k as f32 + 0.7, 0.0)));
