@@ -70,7 +70,7 @@ pub struct MotionOptions {
     pub rotation: RotationScheme,
     /// No body moves faster than this, m/s × √length scale: a guard against numbers that run away.
     pub max_speed: f32,
-    /// No body turns faster than this, rad/s.
+    /// No body turns faster than this, rad/s ÷ √length scale.
     pub max_angular_speed: f32,
 }
 

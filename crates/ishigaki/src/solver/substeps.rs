@@ -285,13 +285,14 @@ impl World {
     /// x += h v; R by the scheme of the rotation; kinematic bodies move as they are told.
     fn move_bodies(&mut self, plan: &mut Plan, h: f32) {
         let motion = &self.options.motion;
-        let max_speed = motion.max_speed * self.options.length_scale.sqrt();
+        let root = self.options.length_scale.sqrt();
+        let (max_speed, max_angular_speed) = (motion.max_speed * root, motion.max_angular_speed / root);
         for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
             let state = self.bodies.at_mut(slot);
             if state.is_dynamic() {
                 state.velocity = forces::limited(state.velocity, max_speed);
                 let mut spin = spin_of(state);
-                forces::limit_spin(&mut spin, motion.max_angular_speed);
+                forces::limit_spin(&mut spin, max_angular_speed);
                 body.turn += h * spin.angular_velocity;
                 motion::advance(motion.rotation, &mut spin, state.has_locked_rotation(), h);
                 state.rotation = spin.rotation;
