@@ -17,6 +17,9 @@ use parry3d::query::{self, Ray, ShapeCastOptions};
 use parry3d::shape::{Ball, Capsule, Cone, Cuboid, Cylinder, HalfSpace, Shape as ParryShape};
 use std::fmt;
 
+/// Decides whether a query sees a shape.
+pub type Predicate<'a> = &'a dyn Fn(ShapeId, &Shape) -> bool;
+
 /// Which shapes a query sees. The default sees all but sensors.
 ///
 /// ```
@@ -40,7 +43,7 @@ pub struct QueryFilter<'a> {
     /// Sees dynamic bodies.
     pub dynamic: bool,
     /// Sees only what this returns `true` for; asked last.
-    pub predicate: Option<&'a dyn Fn(ShapeId, &Shape) -> bool>,
+    pub predicate: Option<Predicate<'a>>,
 }
 
 impl Default for QueryFilter<'_> {
@@ -114,7 +117,7 @@ impl<'a> QueryFilter<'a> {
 
     /// Sees only what `predicate` returns `true` for.
     #[must_use]
-    pub fn predicate(mut self, predicate: &'a dyn Fn(ShapeId, &Shape) -> bool) -> Self {
+    pub fn predicate(mut self, predicate: Predicate<'a>) -> Self {
         self.predicate = Some(predicate);
         self
     }
@@ -232,11 +235,9 @@ impl World {
         let pose = shape.world_from_shape(body);
         let hit = with_parry(&shape.shape.geometry, |g| g.cast_ray_and_get_normal(&pose, ray, max_distance, true))??;
         let distance = hit.time_of_impact;
-        if !(distance <= max_distance) {
-            return None;
-        }
         let normal = if distance > 0.0 { against(hit.normal, ray.dir) } else { -ray.dir };
-        Some(RayHit { shape: id, distance, point: ray.origin + ray.dir * distance, normal })
+        let point = ray.origin + ray.dir * distance;
+        (distance <= max_distance).then_some(RayHit { shape: id, distance, point, normal })
     }
 
     /// The first shape that `geometry`, moved from `pose` along `direction` without turning, meets within
@@ -292,11 +293,9 @@ impl World {
         // Pairs that parry does not know (two half-spaces) do not meet.
         let hit = with_parry(&shape.shape.geometry, cast)?.ok()??;
         let distance = hit.time_of_impact;
-        if !(distance <= max_distance) {
-            return None;
-        }
         let normal = against(pose.rotation * hit.normal1, direction);
-        Some(ShapeHit { shape: id, distance, point: pose * hit.witness1, normal })
+        let point = pose * hit.witness1;
+        (distance <= max_distance).then_some(ShapeHit { shape: id, distance, point, normal })
     }
 
     /// Every shape that overlaps `geometry` at `pose`, by [`ShapeId`]. Stops when `found` returns `false`.
@@ -347,7 +346,7 @@ impl World {
 
     /// The shape nearest to a point (world, m), within `max_distance` (m).
     pub fn closest_point(&self, point: Vec3, max_distance: f32, filter: &QueryFilter) -> Option<PointHit> {
-        if !point.is_finite() || !(max_distance >= 0.0) {
+        if !point.is_finite() || max_distance.is_nan() {
             return None;
         }
         let mut best: Option<PointHit> = None;

@@ -359,6 +359,7 @@ fn questions_without_sense_find_nothing() {
     assert_eq!(world.cast_ray(far, Vec3::NEG_Z, -1.0, &filter), None);
     assert_eq!(world.closest_point(nan, 10.0, &filter), None);
     assert_eq!(world.closest_point(far, f32::NAN, &filter), None);
+    assert_eq!(world.closest_point(far, -1.0, &filter), None);
     let ball = Geometry::Ball { radius: f32::NAN };
     assert_eq!(world.cast_shape(&ball, &Pose::IDENTITY, Vec3::X, 1.0, &filter), None);
     let ball = Geometry::Ball { radius: 1.0 };
