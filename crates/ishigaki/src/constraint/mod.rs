@@ -44,7 +44,8 @@
 //! assert_eq!(rows.len(), 2 + 2 + 3); // both ends of the range, the axis, the point
 //! assert!((resolved.coordinates()[0] - 0.5).abs() < 1e-6);
 //! // 2 N·s upward on A through the pivot: no torque about it. λ are in the order of the rows.
-//! let (impulse, angular) = reaction(&rows, &[0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0], resolved.arm_a(&at_post));
+//! let lambdas = rows.iter().map(|row| row.jacobian).zip([0.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0]);
+//! let (impulse, angular) = reaction(lambdas, resolved.arm_a(&at_post));
 //! assert_eq!((impulse, angular), (2.0 * Vec3::Y, Vec3::ZERO));
 //! ```
 
