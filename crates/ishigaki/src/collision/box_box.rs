@@ -62,14 +62,13 @@ impl BoxTest {
     fn faces(&self) -> ArrayVec<Axis, 6> {
         let axes = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis];
         let mut out = ArrayVec::new();
-        for k in 0..3 {
-            let reach_b =
-                self.half_b.x * axes[0][k].abs() + self.half_b.y * axes[1][k].abs() + self.half_b.z * axes[2][k].abs();
+        for (k, unit) in Vec3::AXES.into_iter().enumerate() {
+            let reach_b = self.half_b.dot(Vec3::new(axes[0][k], axes[1][k], axes[2][k]).abs());
             let positive = self.center[k] >= 0.0;
             let sign = if positive { 1.0 } else { -1.0 };
             out.push(Axis {
                 source: Source::FaceA(box_face(k, positive) as u32),
-                direction: sign * Vec3::AXES[k],
+                direction: sign * unit,
                 separation: self.center[k].abs() - self.half_a[k] - reach_b,
             });
         }
@@ -95,9 +94,9 @@ impl BoxTest {
         let axes = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis];
         let mut best: Option<(f32, Vec3, usize, usize)> = None;
         let mut last_edges = None;
-        for i in 0..3 {
-            for j in 0..3 {
-                let cross = Vec3::AXES[i].cross(axes[j]);
+        for (i, axis_a) in Vec3::AXES.into_iter().enumerate() {
+            for (j, axis_b) in axes.into_iter().enumerate() {
+                let cross = axis_a.cross(axis_b);
                 let sine = cross.length();
                 if sine < PARALLEL {
                     continue;

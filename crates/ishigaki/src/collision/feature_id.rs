@@ -28,6 +28,11 @@ impl Feature {
         Self(2 << Self::KIND_SHIFT | index)
     }
 
+    /// The number of the vertex, if it is one.
+    pub const fn as_vertex(self) -> Option<u32> {
+        self.index_of_kind(0)
+    }
+
     /// The number of the edge, if it is one.
     pub const fn as_edge(self) -> Option<u32> {
         self.index_of_kind(1)

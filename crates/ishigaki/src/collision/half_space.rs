@@ -5,6 +5,7 @@
 //! them, so that it rolls as a circle does. Test: `tests/narrow_phase.rs`.
 
 use crate::collision::clip::Candidates;
+use crate::collision::curved::DEEPEST;
 use crate::collision::feature_id::{Feature, FeatureId};
 use crate::collision::manifold::LocalPoint;
 use crate::collision::narrow_phase::LocalManifolds;
@@ -84,7 +85,7 @@ impl Floor<'_> {
         let center = Vec3::new(0.0, height, 0.0);
         let outward = Vec3::new(self.down.x, 0.0, self.down.z);
         if let Some(outward) = outward.try_normalize() {
-            self.push(center + outward * radius, 0.0, Feature::edge(rim));
+            self.push(center + outward * radius, 0.0, Feature::vertex(DEEPEST + rim));
         }
         if self.down.y * height.signum() > STANDING {
             for (i, point) in rim_points(height, radius).into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Chooses the kernel of a pair of shapes: our own for the hot pairs, parry for the rest.
+//! Chooses the kernel of a pair of shapes.
 
 use crate::collision::box_box::box_box;
 use crate::collision::half_space::half_space;
@@ -8,7 +8,7 @@ use crate::collision::other_pairs::other_pair;
 use crate::collision::polyhedron::{BoxPolyhedron, Polyhedron};
 use crate::collision::round::{
     PlacedCapsule, ball_ball, capsule_ball, capsule_capsule, nearest_on_box, nearest_on_polyhedron, polyhedron_capsule,
-    push_ball,
+    push_ball_of_part,
 };
 use crate::math::Pose;
 use crate::shape::Geometry;
@@ -83,10 +83,10 @@ fn find_ordered(
             capsule_capsule(&first, &PlacedCapsule::new(*half_b, *radius_b, b_in_a), margin, out);
         }
         (Cuboid { half_extents }, Ball { radius }) => {
-            push_ball(nearest_on_box(*half_extents, center), 0.0, *radius, center, margin, out);
+            push_ball_of_part(nearest_on_box(*half_extents, center), *radius, center, margin, (0, 0), out);
         }
         (ConvexHull(hull), Ball { radius }) => {
-            push_ball(nearest_on_polyhedron(&hull.view(), center), 0.0, *radius, center, margin, out);
+            push_ball_of_part(nearest_on_polyhedron(&hull.view(), center), *radius, center, margin, (0, 0), out);
         }
         (Cuboid { half_extents: half_a }, Cuboid { half_extents: half_b }) => {
             box_box(*half_a, *half_b, b_in_a, margin, length_scale, hint, out);
@@ -98,7 +98,7 @@ fn find_ordered(
         (Cuboid { .. } | ConvexHull(_), Cuboid { .. } | ConvexHull(_)) => with_polyhedron(a, |a| {
             with_polyhedron(b, |b| hull_hull(a, b, b_in_a, margin, length_scale, hint, out));
         }),
-        _ => other_pair(a, b, b_in_a, margin, length_scale, hint, out),
+        _ => other_pair(a, b, b_in_a, margin, length_scale, out),
     }
 }
 

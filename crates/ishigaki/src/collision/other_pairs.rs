@@ -1,39 +1,47 @@
-//! Pairs with cylinders, cones, meshes and height fields: parry finds, we filter, name and reduce.
+//! The rarer pairs: cylinders and cones with everything, surfaces with everything solid.
 
-use crate::collision::clip::Candidates;
-use crate::collision::feature_id::{Feature, FeatureId};
-use crate::collision::manifold::LocalPoint;
-use crate::collision::narrow_phase::LocalManifolds;
-use crate::collision::reduce::push_manifold;
+use crate::collision::curved::{Curved, Solid, curved_capsule, curved_curved, curved_pair, nearest_on_curved};
+use crate::collision::feature_id::Feature;
+use crate::collision::mesh::surface_solid;
+use crate::collision::narrow_phase::{LocalManifolds, with_polyhedron};
+use crate::collision::round::{Nearest, push_ball_of_part};
+use crate::collision::sat::Tolerance;
 use crate::math::Pose;
 use crate::shape::Geometry;
-use parry3d::query::{ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher};
+use parry3d::shape::Cuboid;
 
-/// Manifolds of two shapes that have no kernel of their own.
+/// Manifolds of two shapes without a kernel for the pair alone; A is of no lower rank than B.
 pub(crate) fn other_pair(
     a: &Geometry,
     b: &Geometry,
     b_in_a: &Pose,
     margin: f32,
     length_scale: f32,
-    _hint: &mut u32,
     out: &mut LocalManifolds,
 ) {
-    let (Some(shape_a), Some(shape_b)) = (a.to_parry(), b.to_parry()) else { return };
-    let mut manifolds: Vec<ContactManifold<(), ()>> = Vec::new();
-    let found =
-        DefaultQueryDispatcher.contact_manifolds(b_in_a, &*shape_a.0, &*shape_b.0, margin, &mut manifolds, &mut None);
-    if found.is_err() {
-        return;
-    }
-    for manifold in &manifolds {
-        let outward = manifold.local_n1;
-        let mut points = Candidates::new();
-        for contact in manifold.points.iter().filter(|contact| contact.dist <= margin) {
-            let id = FeatureId::new(Feature::unknown(contact.fid1.0 & 0xffff), Feature::unknown(points.len() as u32));
-            let on_b = *b_in_a * contact.local_p2;
-            points.push(LocalPoint { on_a: contact.local_p1, on_b, separation: contact.dist, id });
+    let tolerance = Tolerance::new(margin, length_scale, a.inner_radius().min(b.inner_radius()));
+    let center = b_in_a.translation;
+    match (a, Curved::new(a), b, Curved::new(b)) {
+        // Neither two surfaces nor parts of a compound reach this place with something to touch.
+        (Geometry::TriangleMesh(_) | Geometry::HeightField(_), ..) if b.is_solid() => {
+            surface_solid(a, b, b_in_a, margin, length_scale, out);
         }
-        push_manifold(-outward, (manifold.subshape1, manifold.subshape2), points, 1e-4 * length_scale, out);
+        (_, Some(a), Geometry::Ball { radius }, _) => {
+            let (point, normal, distance) = nearest_on_curved(&a, center);
+            let nearest = Nearest { point, normal, distance, feature: Feature::unknown(0) };
+            push_ball_of_part(nearest, *radius, center, margin, (0, 0), out);
+        }
+        (_, Some(a), Geometry::Capsule { half_length, radius }, _) => {
+            curved_capsule(&a, (*half_length, *radius), b_in_a, &tolerance, out);
+        }
+        (_, Some(a), _, Some(b)) => curved_curved(&a, &b, b_in_a, &tolerance, out),
+        (Geometry::Cuboid { half_extents }, _, _, Some(b)) => with_polyhedron(a, |solid| {
+            let shape = Cuboid::new(*half_extents);
+            curved_pair(Solid::Polyhedron(solid), &shape, &b, b_in_a, &tolerance, out);
+        }),
+        (Geometry::ConvexHull(hull), _, _, Some(b)) => {
+            curved_pair(Solid::Polyhedron(hull.view()), &*hull.polyhedron, &b, b_in_a, &tolerance, out);
+        }
+        _ => {}
     }
 }

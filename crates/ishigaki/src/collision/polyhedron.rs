@@ -100,12 +100,6 @@ impl Polyhedron<'_> {
         &self.corner_vertices[first as usize..(first + count) as usize]
     }
 
-    /// The edges around a face, each from the vertex of the same number to the next.
-    pub fn face_edges(&self, face: usize) -> &[u32] {
-        let Face { first, count, .. } = self.faces[face];
-        &self.corner_edges[first as usize..(first + count) as usize]
-    }
-
     /// Both ends of an edge.
     pub fn edge_points(&self, edge: usize) -> [Vec3; 2] {
         self.edges[edge].vertices.map(|v| self.vertices[v as usize])
@@ -306,7 +300,8 @@ mod tests {
             assert_eq!((end - start).abs().normalize(), Vec3::AXES[i / 4], "edge {i} direction");
             let uses = view.corner_edges.iter().filter(|&&e| e == i as u32).count();
             assert_eq!(uses, 2, "edge {i} has two faces");
-            assert!(edge.faces.iter().all(|&f| view.face_edges(f as usize).contains(&(i as u32))));
+            let around = |face: u32| &view.corner_edges[4 * face as usize..][..4];
+            assert!(edge.faces.iter().all(|&f| around(f).contains(&(i as u32))));
         }
     }
 }

@@ -65,23 +65,29 @@ pub(crate) fn capsule_ball(
 }
 
 /// The one point where a ball at `center` touches; the core of A is `radius_a` thick.
-pub(crate) fn push_ball(
+fn push_ball(nearest: Nearest, radius_a: f32, radius_b: f32, center: Vec3, margin: f32, out: &mut LocalManifolds) {
+    let distance = nearest.distance - radius_a;
+    let point = nearest.point + nearest.normal * radius_a;
+    push_ball_of_part(Nearest { point, distance, ..nearest }, radius_b, center, margin, (0, 0), out);
+}
+
+/// The one point where a ball at `center` touches.
+pub(crate) fn push_ball_of_part(
     nearest: Nearest,
-    radius_a: f32,
-    radius_b: f32,
+    radius: f32,
     center: Vec3,
     margin: f32,
+    part: (u32, u32),
     out: &mut LocalManifolds,
 ) {
-    let separation = nearest.distance - radius_a - radius_b;
+    let separation = nearest.distance - radius;
     if separation > margin {
         return;
     }
-    let on_a = nearest.point + nearest.normal * radius_a;
-    let on_b = center - nearest.normal * radius_b;
+    let on_b = center - nearest.normal * radius;
     let id = FeatureId::new(nearest.feature, Feature::vertex(0));
-    let points = Candidates::from_slice(&[LocalPoint { on_a, on_b, separation, id }]);
-    push_manifold(-nearest.normal, (0, 0), points, 0.0, out);
+    let points = Candidates::from_slice(&[LocalPoint { on_a: nearest.point, on_b, separation, id }]);
+    push_manifold(-nearest.normal, part, points, 0.0, out);
 }
 
 fn segment_feature(height: f32, half_length: f32) -> Feature {
@@ -258,23 +264,23 @@ pub(crate) fn capsule_capsule(a: &PlacedCapsule, b: &PlacedCapsule, margin: f32,
     push_manifold(-direction, (0, 0), points, 0.0, out);
 }
 
-fn sine(a: Vec3, b: Vec3) -> f32 {
+pub(crate) fn sine(a: Vec3, b: Vec3) -> f32 {
     let lengths = a.length() * b.length();
     if lengths > 0.0 { a.cross(b).length() / lengths } else { 1.0 }
 }
 
 /// An end of the stretch where two nearly parallel segments run side by side.
-struct OverlapEnd {
+pub(crate) struct OverlapEnd {
     /// Part of the first and of the second segment.
-    first: f32,
-    second: f32,
+    pub first: f32,
+    pub second: f32,
     /// Which segment ends here, and with which end.
-    of_first: bool,
-    end: u32,
+    pub of_first: bool,
+    pub end: u32,
 }
 
 /// The stretch where two nearly parallel segments run side by side; `None` if it is a point or less.
-fn overlap_along(first: [Vec3; 2], second: [Vec3; 2]) -> Option<[OverlapEnd; 2]> {
+pub(crate) fn overlap_along(first: [Vec3; 2], second: [Vec3; 2]) -> Option<[OverlapEnd; 2]> {
     let (along1, along2) = (first[1] - first[0], second[1] - second[0]);
     let part1 = |p: Vec3| (p - first[0]).dot(along1) / along1.length_squared();
     let part2 = |p: Vec3| (p - second[0]).dot(along2) / along2.length_squared();
@@ -412,19 +418,21 @@ pub(crate) fn polyhedron_capsule(
 ) {
     let tolerance = Tolerance::new(margin, length_scale, solid.inner_radius.min(capsule.radius));
     if let Some(gap) = segment_gap(solid, capsule.ends, margin + capsule.radius, tolerance.axis) {
-        push_capsule(solid, capsule, &gap, (0, 0), &tolerance, out);
+        let points = capsule_points(solid, capsule, &gap, &tolerance, true);
+        push_manifold(-gap.direction, (0, 0), points, tolerance.clip, out);
     }
 }
 
-/// The manifold of a polyhedron and a capsule along the direction of `gap`.
-pub(crate) fn push_capsule(
+/// Where a polyhedron and a capsule touch along the direction of `gap`.
+///
+/// Where clipping finds nothing the nearest point stands alone, if `may_stand_alone`.
+pub(crate) fn capsule_points(
     solid: &Polyhedron,
     capsule: &PlacedCapsule,
     gap: &SegmentGap,
-    part: (u32, u32),
     tolerance: &Tolerance,
-    out: &mut LocalManifolds,
-) {
+    may_stand_alone: bool,
+) -> Candidates {
     let margin = tolerance.margin;
     let mut points = Candidates::new();
     if let Some(face) = gap.feature.as_face() {
@@ -433,16 +441,13 @@ pub(crate) fn push_capsule(
     } else if let Some(edge) = gap.feature.as_edge() {
         along_edge(solid, edge as usize, capsule, gap.direction, margin, &mut points);
     }
-    if points.is_empty() {
-        let separation = gap.distance - capsule.radius;
-        if separation > margin {
-            return;
-        }
+    let separation = gap.distance - capsule.radius;
+    if points.is_empty() && may_stand_alone && separation <= margin {
         let core = capsule.ends[0].lerp(capsule.ends[1], gap.part);
         let id = FeatureId::new(gap.feature, PlacedCapsule::feature(gap.part));
         points.push(LocalPoint { on_a: gap.on_solid, on_b: core - gap.direction * capsule.radius, separation, id });
     }
-    push_manifold(-gap.direction, part, points, tolerance.clip, out);
+    points
 }
 
 /// Two points where a capsule lies along an edge.

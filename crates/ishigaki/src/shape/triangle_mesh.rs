@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::math::Vec3;
 use parry3d::shape::{TriMesh, TriMeshFlags};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A surface of triangles, counter-clockwise seen from outside; serialized as vertices and triangles.
@@ -11,6 +12,8 @@ use std::sync::Arc;
 #[serde(try_from = "MeshData", into = "MeshData")]
 pub struct TriangleMesh {
     pub(crate) mesh: Arc<TriMesh>,
+    /// The triangle across each edge (from vertex k to the next); `None` at the border.
+    pub(crate) neighbors: Vec<[Option<u32>; 3]>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -41,7 +44,8 @@ impl TriangleMesh {
         }
         let mesh = TriMesh::with_flags(vertices, triangles, TriMeshFlags::FIX_INTERNAL_EDGES)
             .map_err(|e| Error::invalid("triangles", e.to_string()))?;
-        Ok(Self { mesh: Arc::new(mesh) })
+        let neighbors = neighbors(mesh.vertices(), mesh.indices());
+        Ok(Self { mesh: Arc::new(mesh), neighbors })
     }
 
     /// Vertices, m.
@@ -53,6 +57,29 @@ impl TriangleMesh {
     pub fn triangles(&self) -> &[[u32; 3]] {
         self.mesh.indices()
     }
+}
+
+/// Finds the triangle across each edge; vertices at the same place are one, whatever their numbers.
+fn neighbors(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[Option<u32>; 3]> {
+    let mut number_at = BTreeMap::new();
+    // Adding zero makes −0 the same place as 0.
+    let place = |v: &Vec3| (*v + Vec3::ZERO).to_array().map(f32::to_bits);
+    let numbers: Vec<u32> =
+        (0..).zip(vertices).map(|(i, vertex)| *number_at.entry(place(vertex)).or_insert(i)).collect();
+    let edge = |triangle: &[u32; 3], k: usize| (numbers[triangle[k] as usize], numbers[triangle[(k + 1) % 3] as usize]);
+    // Where more than two triangles meet, none is the neighbor of another.
+    let mut owner: BTreeMap<(u32, u32), Option<u32>> = BTreeMap::new();
+    for (t, triangle) in (0..).zip(triangles) {
+        for k in 0..3 {
+            owner.entry(edge(triangle, k)).and_modify(|owner| *owner = None).or_insert(Some(t));
+        }
+    }
+    let across = |triangle: &[u32; 3], k: usize| {
+        let (start, end) = edge(triangle, k);
+        owner.get(&(start, end)).copied().flatten()?;
+        owner.get(&(end, start)).copied().flatten()
+    };
+    triangles.iter().map(|triangle| std::array::from_fn(|k| across(triangle, k))).collect()
 }
 
 impl PartialEq for TriangleMesh {
