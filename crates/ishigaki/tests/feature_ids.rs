@@ -59,3 +59,41 @@ fn a_box_that_tips_over_an_edge_keeps_its_ids() {
     let rate = match_rate(&cuboid(2.0, 0.5, 2.0), &cuboid(0.5, 0.5, 0.5), 628, tip);
     assert!(rate > 0.95, "{rate}");
 }
+
+#[test]
+fn a_box_and_the_same_box_as_a_hull_keep_their_ids_on_every_reference() {
+    // A slope that trembles about the angle where the reference face changes from one shape to the other.
+    let hull: Vec<Vec3> = (0..8)
+        .map(|i| {
+            let sign = |bit: u32| if i >> bit & 1 == 1 { 0.5 } else { -0.5 };
+            Vec3::new(sign(0), sign(1), sign(2))
+        })
+        .collect();
+    let hull = Geometry::ConvexHull(std::sync::Arc::new(ishigaki::ConvexHull::new(&hull).unwrap()));
+    let tremble = |t: f32| {
+        let turn = Quat::from_rotation_y(0.3) * Quat::from_rotation_x(2e-3 * ((600.0 * t) as f64).sin() as f32);
+        Pose::from_parts(Vec3::new(0.2, 0.995, 0.1), turn)
+    };
+    for b in [&cuboid(0.5, 0.5, 0.5), &hull] {
+        let rate = match_rate(&cuboid(0.5, 0.5, 0.5), b, 300, tremble);
+        assert!(rate > 0.95, "{rate}");
+    }
+}
+
+#[test]
+fn the_other_reference_face_gives_the_same_ids() {
+    let (a, b) = (cuboid(0.5, 0.5, 0.5), cuboid(0.4, 0.3, 0.6));
+    let mut same = 0;
+    for step in 0..1000 {
+        let turn = Quat::from_rotation_y(0.0031 * step as f32 + 0.017);
+        let pose = Pose::from_parts(Vec3::new(0.123, 0.797, -0.217), turn);
+        let mut now = ids(&a, &b, &pose, &mut 0);
+        // Of equally good faces the first shape's is the reference: the other order has the other reference.
+        let mut other: Vec<_> = ids(&b, &a, &pose.inverse(), &mut 0).into_iter().map(FeatureId::swapped).collect();
+        now.sort();
+        other.sort();
+        same += usize::from(now == other);
+    }
+    // Only where a corner lies within the tolerance of a border may its name depend on the reference.
+    assert!(same > 980, "{same} of 1000");
+}

@@ -40,7 +40,7 @@ pub(crate) fn box_box(
         Some(axis) => {
             *hint = axis.source.to_hint(axis.separation > 0.0);
             let (a, b) = (BoxPolyhedron::new(half_a), BoxPolyhedron::new(half_b));
-            Pair { a: a.view(), b: b.view(), b_in_a, part: (0, 0), tolerance }.push_contact(&axis, out);
+            Pair { a: a.view(), b: b.view(), b_in_a, part: (0, 0), tolerance }.push_contact(&axis, &faces, edges, out);
         }
         None => {
             let apart = faces.iter().max_by(|p, q| p.separation.total_cmp(&q.separation));

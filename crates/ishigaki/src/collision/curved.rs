@@ -15,7 +15,7 @@ use crate::collision::narrow_phase::LocalManifolds;
 use crate::collision::polyhedron::{Corner, Polygon, Polyhedron};
 use crate::collision::reduce::push_manifold;
 use crate::collision::round::{overlap_along, sine};
-use crate::collision::sat::Tolerance;
+use crate::collision::sat::{Axis, Source, Tolerance, pass_corners};
 use crate::collision::surface::{SurfaceTriangle, Verdict};
 use crate::math::{Pose, Vec3, cos};
 use crate::shape::Geometry;
@@ -190,6 +190,16 @@ impl Solid<'_> {
         }
     }
 
+    /// Numbers and normals of its flat faces, in its frame.
+    fn normals(&self) -> SmallVec<[(u32, Vec3); 8]> {
+        match self {
+            Self::Polyhedron(solid) => (0..).zip(solid.faces).map(|(i, face)| (i, face.normal)).collect(),
+            Self::Curved(curved) if curved.top_radius > 0.0 => SmallVec::from_slice(&[(0, -Vec3::Y), (1, Vec3::Y)]),
+            Self::Curved(_) => SmallVec::from_slice(&[(0, -Vec3::Y)]),
+            Self::Capsule(..) => SmallVec::new(),
+        }
+    }
+
     /// The straight line on the surface that looks along `direction`, if it lies across it.
     fn line(&self, direction: Vec3, pose: &Pose) -> Option<[(Vec3, u32); 2]> {
         let line = match self {
@@ -227,20 +237,75 @@ impl CurvedPair<'_> {
     /// What parry's GJK and EPA say.
     fn find(&self, a: &dyn Shape, b: &dyn Shape) -> Option<Found> {
         let contact = DefaultQueryDispatcher.contact(self.b_in_a, a, b, self.tolerance.margin).ok()??;
-        let direction = contact.normal1;
         let (on_a, on_b) = (contact.point1, *self.b_in_a * contact.point2);
-        direction.is_finite().then_some(Found { direction, distance: contact.dist, on_a, on_b })
+        // Where the centers coincide it may give no direction: any will do, best out of a cap.
+        let Some(direction) = contact.normal1.try_normalize().filter(|n| n.is_finite()) else {
+            return Some(self.along(self.b_in_a.rotation * Vec3::Y));
+        };
+        Some(Found { direction, distance: contact.dist, on_a, on_b })
+    }
+
+    /// The deepest points along a direction from A to B.
+    fn along(&self, direction: Vec3) -> Found {
+        let on_a = self.a.support(direction);
+        let lowest = *self.b_in_a * self.b.support(self.b_in_a.rotation.inverse() * -direction);
+        let distance = direction.dot(lowest - on_a);
+        Found { direction, distance, on_a, on_b: on_a + direction * distance }
+    }
+
+    /// As [`find`](Self::find), but what slides over the seam of two flush solids finds no wall there.
+    fn find_axis(&self, a: &dyn Shape, b: &dyn Shape, hint: &mut u32) -> Option<Found> {
+        let mut faces: SmallVec<[Axis; 16]> = SmallVec::new();
+        let into_b = self.b_in_a.rotation.inverse();
+        for (number, normal) in self.a.normals() {
+            faces.push(self.axis(Source::FaceA(number), normal));
+        }
+        for (number, normal) in self.b.normals() {
+            faces.push(self.axis(Source::FaceB(number), -(self.b_in_a.rotation * normal)));
+        }
+        let greatest = faces.iter().max_by(|p, q| p.separation.total_cmp(&q.separation)).copied();
+        let Some(found) = self.find(a, b) else {
+            *hint = greatest.map_or(0, |axis| axis.source.to_hint(true));
+            return None;
+        };
+        // The direction found is known to the hint by the face that is nearest to it.
+        let likeness = |axis: &Axis| axis.direction.dot(found.direction);
+        let alike = faces.iter().max_by(|p, q| likeness(p).total_cmp(&likeness(q)));
+        let Some(alike) = alike.filter(|axis| likeness(axis) > 0.7) else { return Some(found) };
+        let chosen = Axis { source: alike.source, direction: found.direction, separation: found.distance };
+        match pass_corners(&faces, chosen, self.tolerance, Source::from_hint(*hint)) {
+            None => {
+                *hint = chosen.source.to_hint(true);
+                None
+            }
+            Some(axis) => {
+                *hint = axis.source.to_hint(axis.separation > 0.0);
+                if axis.source == chosen.source {
+                    return Some(found);
+                }
+                let toward_a = into_b * -axis.direction;
+                let on_b = *self.b_in_a * self.b.support(toward_a);
+                let on_a = on_b - axis.direction * axis.separation;
+                Some(Found { direction: axis.direction, distance: axis.separation, on_a, on_b })
+            }
+        }
+    }
+
+    fn axis(&self, source: Source, direction: Vec3) -> Axis {
+        Axis { source, direction, separation: self.along(direction).distance }
     }
 
     /// The manifold's normal (B's) and points.
     fn points(&self, found: &Found) -> (Vec3, Candidates) {
         let lead = 0.05 * found.distance.abs() + self.tolerance.axis;
+        // The deepest point must be among the points: it may hang over the border of the face.
+        let holds = |points: &Candidates| points.iter().any(|p| p.separation <= found.distance + lead);
         let into_b = self.b_in_a.rotation.inverse();
         if let Some(face) = self.a.facing(found.direction, &Pose::IDENTITY) {
             let lowest = *self.b_in_a * self.b.support(into_b * -face.normal);
             if face.normal.dot(lowest) - face.offset >= found.distance - lead {
                 let points = self.over(&face, &self.b.feeler(into_b * -face.normal, self.b_in_a), true);
-                if !points.is_empty() {
+                if holds(&points) {
                     return (-face.normal, points);
                 }
             }
@@ -249,13 +314,14 @@ impl CurvedPair<'_> {
             let lowest = self.a.support(-face.normal);
             if face.normal.dot(lowest) - face.offset >= found.distance - lead {
                 let points = self.over(&face, &self.a.feeler(-face.normal, &Pose::IDENTITY), false);
-                if !points.is_empty() {
+                if holds(&points) {
                     return (face.normal, points);
                 }
             }
         }
         let mut points = self.along_lines(found);
-        if points.is_empty() {
+        if !holds(&points) {
+            points.clear();
             let id = FeatureId::new(Feature::unknown(0), Feature::unknown(0));
             points.push(LocalPoint { on_a: found.on_a, on_b: found.on_b, separation: found.distance, id });
         }
@@ -307,17 +373,25 @@ pub(crate) fn curved_pair(
     b: &Curved,
     b_in_a: &Pose,
     tolerance: &Tolerance,
+    hint: &mut u32,
     out: &mut LocalManifolds,
 ) {
     let pair = CurvedPair { a, b: Solid::Curved(*b), b_in_a, tolerance };
-    let Some(found) = b.with_parry(|shape_b| pair.find(shape_a, shape_b)) else { return };
+    let Some(found) = b.with_parry(|shape_b| pair.find_axis(shape_a, shape_b, hint)) else { return };
     let (normal, points) = pair.points(&found);
     push_manifold(normal, (0, 0), points, tolerance.clip, out);
 }
 
 /// The manifold of two cylinders or cones.
-pub(crate) fn curved_curved(a: &Curved, b: &Curved, b_in_a: &Pose, tolerance: &Tolerance, out: &mut LocalManifolds) {
-    a.with_parry(|shape_a| curved_pair(Solid::Curved(*a), shape_a, b, b_in_a, tolerance, out));
+pub(crate) fn curved_curved(
+    a: &Curved,
+    b: &Curved,
+    b_in_a: &Pose,
+    tolerance: &Tolerance,
+    hint: &mut u32,
+    out: &mut LocalManifolds,
+) {
+    a.with_parry(|shape_a| curved_pair(Solid::Curved(*a), shape_a, b, b_in_a, tolerance, hint, out));
 }
 
 /// The manifold of a cylinder or cone A and a capsule B.
@@ -351,7 +425,7 @@ pub(crate) fn curved_triangle(
     let shape = Triangle::new(flat.vertices[0], flat.vertices[1], flat.vertices[2]);
     let Some(found) = curved.with_parry(|shape_b| pair.find(&shape, shape_b)) else { return };
     let toward_front = found.direction.dot(triangle.normal) > 0.0;
-    let (normal, mut points) = match triangle.verdict(found.direction) {
+    let (normal, mut points) = match triangle.verdict(found.direction, pose.translation) {
         Verdict::Neighbors => return,
         Verdict::Allowed if toward_front => pair.points(&found),
         _ => {

@@ -53,7 +53,7 @@ pub(crate) fn hull_hull(
     match choose_axis(&faces, edges, last_edges, &tolerance, *hint) {
         Some(axis) => {
             *hint = axis.source.to_hint(axis.separation > 0.0);
-            Pair { a, b, b_in_a, part: (0, 0), tolerance }.push_contact(&axis, out);
+            Pair { a, b, b_in_a, part: (0, 0), tolerance }.push_contact(&axis, &faces, edges, out);
         }
         None => {
             let apart = faces.iter().max_by(|p, q| p.separation.total_cmp(&q.separation));

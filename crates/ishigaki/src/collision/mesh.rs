@@ -76,14 +76,15 @@ fn ball(triangle: &SurfaceTriangle, radius: f32, center: Vec3, margin: f32, out:
             nearest.distance = -nearest.distance;
             nearest.feature = Feature::face(0);
         }
-        None if triangle.verdict(nearest.normal) == Verdict::Allowed => {}
+        None if triangle.verdict(nearest.normal, center) == Verdict::Allowed => {}
         None => return,
     }
     push_ball_of_part(nearest, radius, center, margin, (triangle.index, 0), out);
 }
 
 fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tolerance, out: &mut LocalManifolds) {
-    if is_behind(triangle, 0.5 * (capsule.ends[0] + capsule.ends[1])) {
+    let center = 0.5 * (capsule.ends[0] + capsule.ends[1]);
+    if is_behind(triangle, center) {
         return;
     }
     let solid = triangle.solid.view();
@@ -94,7 +95,7 @@ fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tole
     let verdict = match gap.feature.as_face() {
         Some(0) => Verdict::Allowed,
         Some(_) => Verdict::Forbidden,
-        None => triangle.verdict(gap.direction),
+        None => triangle.verdict(gap.direction, center),
     };
     if verdict == Verdict::Neighbors {
         return;
@@ -146,6 +147,7 @@ fn polyhedron(
 
 /// The axis of least overlap that is allowed here; `None` if apart or if a neighbor has the contact.
 fn contact_axis(triangle: &SurfaceTriangle, solid: &Polyhedron, pose: &Pose, tolerance: &Tolerance) -> Option<Axis> {
+    let center = *pose * solid.center;
     let flat = triangle.solid.view();
     let front = flat.faces[0];
     let down = pose.rotation.inverse() * -front.normal;
@@ -160,7 +162,7 @@ fn contact_axis(triangle: &SurfaceTriangle, solid: &Polyhedron, pose: &Pose, tol
     let mut best: Option<(Axis, Verdict)> = None;
     let mut consider = |axis: Axis| {
         if axis.separation > best.map_or(needed, |(best, _)| best.separation) {
-            match triangle.verdict(axis.direction) {
+            match triangle.verdict(axis.direction, center) {
                 Verdict::Forbidden => {}
                 verdict => best = Some((axis, verdict)),
             }

@@ -7,8 +7,8 @@ use crate::collision::manifold::LocalManifold;
 use crate::collision::other_pairs::other_pair;
 use crate::collision::polyhedron::{BoxPolyhedron, Polyhedron};
 use crate::collision::round::{
-    PlacedCapsule, ball_ball, capsule_ball, capsule_capsule, nearest_on_box, nearest_on_polyhedron, polyhedron_capsule,
-    push_ball_of_part,
+    PlacedCapsule, ball_ball, capsule_ball, capsule_capsule, nearest_on_box, nearest_on_polyhedron, polyhedron_ball,
+    polyhedron_capsule,
 };
 use crate::math::Pose;
 use crate::shape::Geometry;
@@ -82,11 +82,13 @@ fn find_ordered(
             let first = PlacedCapsule::new(*half_a, *radius_a, &Pose::IDENTITY);
             capsule_capsule(&first, &PlacedCapsule::new(*half_b, *radius_b, b_in_a), margin, out);
         }
-        (Cuboid { half_extents }, Ball { radius }) => {
-            push_ball_of_part(nearest_on_box(*half_extents, center), *radius, center, margin, (0, 0), out);
-        }
+        (Cuboid { half_extents }, Ball { radius }) => with_polyhedron(a, |solid| {
+            let nearest = nearest_on_box(*half_extents, center);
+            polyhedron_ball(&solid, nearest, (*radius, center), margin, length_scale, out);
+        }),
         (ConvexHull(hull), Ball { radius }) => {
-            push_ball_of_part(nearest_on_polyhedron(&hull.view(), center), *radius, center, margin, (0, 0), out);
+            let nearest = nearest_on_polyhedron(&hull.view(), center);
+            polyhedron_ball(&hull.view(), nearest, (*radius, center), margin, length_scale, out);
         }
         (Cuboid { half_extents: half_a }, Cuboid { half_extents: half_b }) => {
             box_box(*half_a, *half_b, b_in_a, margin, length_scale, hint, out);
@@ -98,7 +100,7 @@ fn find_ordered(
         (Cuboid { .. } | ConvexHull(_), Cuboid { .. } | ConvexHull(_)) => with_polyhedron(a, |a| {
             with_polyhedron(b, |b| hull_hull(a, b, b_in_a, margin, length_scale, hint, out));
         }),
-        _ => other_pair(a, b, b_in_a, margin, length_scale, out),
+        _ => other_pair(a, b, b_in_a, margin, length_scale, hint, out),
     }
 }
 

@@ -17,6 +17,7 @@ pub(crate) fn other_pair(
     b_in_a: &Pose,
     margin: f32,
     length_scale: f32,
+    hint: &mut u32,
     out: &mut LocalManifolds,
 ) {
     let tolerance = Tolerance::new(margin, length_scale, a.inner_radius().min(b.inner_radius()));
@@ -34,13 +35,13 @@ pub(crate) fn other_pair(
         (_, Some(a), Geometry::Capsule { half_length, radius }, _) => {
             curved_capsule(&a, (*half_length, *radius), b_in_a, &tolerance, out);
         }
-        (_, Some(a), _, Some(b)) => curved_curved(&a, &b, b_in_a, &tolerance, out),
+        (_, Some(a), _, Some(b)) => curved_curved(&a, &b, b_in_a, &tolerance, hint, out),
         (Geometry::Cuboid { half_extents }, _, _, Some(b)) => with_polyhedron(a, |solid| {
             let shape = Cuboid::new(*half_extents);
-            curved_pair(Solid::Polyhedron(solid), &shape, &b, b_in_a, &tolerance, out);
+            curved_pair(Solid::Polyhedron(solid), &shape, &b, b_in_a, &tolerance, hint, out);
         }),
         (Geometry::ConvexHull(hull), _, _, Some(b)) => {
-            curved_pair(Solid::Polyhedron(hull.view()), &*hull.polyhedron, &b, b_in_a, &tolerance, out);
+            curved_pair(Solid::Polyhedron(hull.view()), &*hull.polyhedron, &b, b_in_a, &tolerance, hint, out);
         }
         _ => {}
     }

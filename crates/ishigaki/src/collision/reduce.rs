@@ -26,7 +26,9 @@ pub(crate) fn push_manifold(
     // A point that is not a number would poison the whole world.
     candidates.retain(|p| p.separation.is_finite() && p.on_a.is_finite() && p.on_b.is_finite());
     // Of equal names the deeper stays.
-    candidates.sort_by(|p, q| p.id.cmp(&q.id).then(p.separation.total_cmp(&q.separation)));
+    // The order does not tell A from B, so that exchanging them changes no choice.
+    let name = |p: &LocalPoint| (p.id.a.min(p.id.b), p.id.a.max(p.id.b), p.id);
+    candidates.sort_by(|p, q| name(p).cmp(&name(q)).then(p.separation.total_cmp(&q.separation)));
     candidates.dedup_by(|p, q| p.id == q.id);
     if candidates.is_empty() || !normal.is_finite() {
         return;
@@ -45,7 +47,10 @@ fn spread(normal: Vec3, candidates: &[LocalPoint], tolerance: f32) -> ArrayVec<L
     let Some(first) = candidates.iter().find(|p| p.separation <= deepest + tolerance) else { return chosen };
     chosen.push(*first);
 
-    let flat = |p: &LocalPoint| p.on_b - normal * normal.dot(p.on_b);
+    let flat = |p: &LocalPoint| {
+        let middle = 0.5 * (p.on_a + p.on_b);
+        middle - normal * normal.dot(middle)
+    };
     let origin = flat(first);
     let Some(second) = greatest(candidates, |p| (flat(p) - origin).length_squared()) else { return chosen };
     chosen.push(*second);

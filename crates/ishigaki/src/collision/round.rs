@@ -17,6 +17,8 @@ use smallvec::smallvec;
 
 /// Sine of the angle below which a capsule lies along an edge or another capsule.
 const ALONG: f32 = 0.03;
+/// What touches an edge in a direction within this cosine of a face's normal may be skimming over the face.
+const SKIMMING: f32 = 0.3;
 
 /// The point of a shape nearest to a given one.
 #[derive(Clone, Copy, Debug)]
@@ -395,7 +397,7 @@ fn nearest_apart(solid: &Polyhedron, ends: [Vec3; 2], fallback: Vec3) -> Segment
         let gap = ends[0].lerp(ends[1], t) - on_solid;
         let distance = gap.length();
         // Clearly nearer, or the ends found it already.
-        if distance < 0.9999 * best.distance {
+        if distance < (1.0 - 1e-6) * best.distance {
             let feature = match s {
                 s if s <= 0.0 => Feature::vertex(edge.vertices[0]),
                 s if s >= 1.0 => Feature::vertex(edge.vertices[1]),
@@ -417,9 +419,51 @@ pub(crate) fn polyhedron_capsule(
     out: &mut LocalManifolds,
 ) {
     let tolerance = Tolerance::new(margin, length_scale, solid.inner_radius.min(capsule.radius));
-    if let Some(gap) = segment_gap(solid, capsule.ends, margin + capsule.radius, tolerance.axis) {
-        let points = capsule_points(solid, capsule, &gap, &tolerance, true);
-        push_manifold(-gap.direction, (0, 0), points, tolerance.clip, out);
+    let reach = margin + capsule.radius;
+    let Some(mut gap) = segment_gap(solid, capsule.ends, reach, tolerance.axis) else { return };
+    let mut points = capsule_points(solid, capsule, &gap, &tolerance, false);
+    let over_face = points.iter().any(|p| p.separation <= gap.distance - capsule.radius + tolerance.axis);
+    if !over_face {
+        // The deepest end is just beside the face it seemed to lie on.
+        let Some(nearest) = segment_gap(solid, capsule.ends, reach, 0.0) else { return };
+        gap = nearest;
+        points = capsule_points(solid, capsule, &gap, &tolerance, true);
+        let skims = skims(solid, (gap.feature, gap.direction), &capsule.ends, capsule.radius, &tolerance);
+        points.retain(|p| p.separation <= 0.0 || !skims);
+    }
+    push_manifold(-gap.direction, (0, 0), points, tolerance.clip, out);
+}
+
+/// Whether what comes near an edge or a vertex only skims over the plane of a face beside it: a floor of flush
+/// boxes goes on there, and a contact that is not yet one would slow what rolls over the seam.
+fn skims(
+    solid: &Polyhedron,
+    (feature, direction): (Feature, Vec3),
+    core: &[Vec3],
+    radius: f32,
+    tolerance: &Tolerance,
+) -> bool {
+    let lowest = |normal: Vec3| core.iter().map(|p| normal.dot(*p)).fold(f32::INFINITY, f32::min) - radius;
+    feature.as_face().is_none()
+        && solid
+            .faces
+            .iter()
+            .any(|face| face.normal.dot(direction) > SKIMMING && lowest(face.normal) - face.offset >= -tolerance.sliver)
+}
+
+/// A polyhedron and a ball in its frame, whose center is nearest to `nearest`.
+pub(crate) fn polyhedron_ball(
+    solid: &Polyhedron,
+    nearest: Nearest,
+    (radius, center): (f32, Vec3),
+    margin: f32,
+    length_scale: f32,
+    out: &mut LocalManifolds,
+) {
+    let tolerance = Tolerance::new(margin, length_scale, solid.inner_radius.min(radius));
+    let apart = nearest.distance > radius;
+    if !(apart && skims(solid, (nearest.feature, nearest.normal), &[center], radius, &tolerance)) {
+        push_ball_of_part(nearest, radius, center, margin, (0, 0), out);
     }
 }
 

@@ -137,7 +137,12 @@ pub(crate) fn choose_axis(
 /// sliver, a few millimeters deep along the true normal and still fewer along the way. The least overlap would
 /// stop it. So a sliver takes the axis along which the shapes overlapped *before* they met; and shapes that are
 /// still apart, but only corner to corner, get no contact yet.
-fn pass_corners(faces: &[Axis], chosen: Axis, tolerance: &Tolerance, hint: Option<(Source, bool)>) -> Option<Axis> {
+pub(crate) fn pass_corners(
+    faces: &[Axis],
+    chosen: Axis,
+    tolerance: &Tolerance,
+    hint: Option<(Source, bool)>,
+) -> Option<Axis> {
     if chosen.separation < -tolerance.sliver {
         return Some(chosen);
     }
@@ -152,13 +157,12 @@ fn pass_corners(faces: &[Axis], chosen: Axis, tolerance: &Tolerance, hint: Optio
     if chosen.separation > 0.0 {
         return None;
     }
-    match hint {
-        // They met along the chosen axis, so they rested on each other along the other one.
-        Some((source, true)) if source == chosen.source => Some(across),
-        // Once chosen it stays.
-        Some((source, false)) if source == across.source => Some(across),
-        _ => Some(chosen),
-    }
+    let Some((source, was_apart)) = hint else { return Some(chosen) };
+    let Some(last) = faces.iter().find(|axis| axis.source == source) else { return Some(chosen) };
+    let last_was_chosen = last.direction.dot(chosen.direction).abs() > 0.7;
+    // If they were apart along the chosen axis and met along it, they had rested on each other along the other one;
+    // once that is chosen it stays.
+    Some(if last_was_chosen == was_apart { across } else { chosen })
 }
 
 /// A and B, placed, with their tolerances: what contact points are made from.
@@ -171,8 +175,29 @@ pub(crate) struct Pair<'a> {
 }
 
 impl Pair<'_> {
-    /// Appends the manifold along `axis`.
-    pub fn push_contact(&self, axis: &Axis, out: &mut LocalManifolds) {
+    /// Appends the manifold along `axis`, one of `faces` or `edges`.
+    ///
+    /// Where the deepest part is not over the face (only the preference for faces chose it), along the best edges.
+    pub fn push_contact(&self, axis: &Axis, faces: &[Axis], edges: Option<Axis>, out: &mut LocalManifolds) {
+        let (mut normal, mut points) = self.points(axis);
+        let greatest = faces.iter().chain(&edges).map(|axis| axis.separation).fold(f32::NEG_INFINITY, f32::max);
+        let enough = axis.separation + EDGE_LEAD * axis.separation.abs() + self.tolerance.axis;
+        let deepest_found = points.iter().any(|p| p.separation <= enough);
+        // While they are apart, an empty face means that they pass each other.
+        if !deepest_found && (greatest <= 0.0 || !points.is_empty()) {
+            match edges {
+                Some(edges) if edges.separation >= axis.separation => (normal, points) = self.points(&edges),
+                // What is apart must not seem farther apart than it is.
+                _ if greatest > 0.0 => points.clear(),
+                _ if points.is_empty() => points.push(self.deepest_point(axis)),
+                _ => {}
+            }
+        }
+        push_manifold(normal, self.part, points, self.tolerance.clip, out);
+    }
+
+    /// B's normal and the points along an axis.
+    fn points(&self, axis: &Axis) -> (Vec3, Candidates) {
         let mut points = Candidates::new();
         let normal = match axis.source {
             Source::FaceA(face) => self.face_points(face as usize, true, &mut points),
@@ -182,10 +207,7 @@ impl Pair<'_> {
                 -axis.direction
             }
         };
-        if points.is_empty() && axis.separation <= 0.0 {
-            points.push(self.deepest_point(axis));
-        }
-        push_manifold(normal, self.part, points, self.tolerance.clip, out);
+        (normal, points)
     }
 
     /// Contact points over a face; gives B's normal.

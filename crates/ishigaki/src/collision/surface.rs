@@ -28,12 +28,28 @@ pub(crate) struct SurfaceTriangle {
     pub solid: TrianglePolyhedron,
     pub index: u32,
     pub normal: Vec3,
-    /// Across each edge: number and normal of the neighbor.
-    neighbors: [Option<(u32, Vec3)>; 3],
+    /// Across each edge.
+    neighbors: [Option<Neighbor>; 3],
     /// In the plane of the triangle, away from it, unit: one for each edge.
     outward: [Vec3; 3],
     /// Whether there is solid ground behind it: what has sunk in is pushed out.
     pub is_ground: bool,
+}
+
+/// A triangle across an edge.
+#[derive(Clone, Copy)]
+struct Neighbor {
+    index: u32,
+    normal: Vec3,
+    /// `normal·x` of its points, m.
+    offset: f32,
+}
+
+impl Neighbor {
+    fn new(index: u32, [a, b, c]: [Vec3; 3]) -> Option<Self> {
+        let normal = (b - a).cross(c - a).try_normalize()?;
+        Some(Self { index, normal, offset: normal.dot(a) })
+    }
 }
 
 /// What a triangle makes of a direction.
@@ -52,36 +68,33 @@ impl SurfaceTriangle {
         let solid = TrianglePolyhedron::new(vertices)?;
         let normal = solid.view().faces[0].normal;
         let side = |k: usize| (vertices[(k + 1) % 3] - vertices[k]).cross(normal).normalize_or_zero();
-        let face_normal = |[a, b, c]: [Vec3; 3]| (b - a).cross(c - a).try_normalize();
-        let neighbors = neighbors.map(|n| n.and_then(|(i, corners)| Some((i, face_normal(corners)?))));
+        let neighbors = neighbors.map(|n| n.and_then(|(index, corners)| Neighbor::new(index, corners)));
         Some(Self { solid, index, normal, neighbors, outward: [side(0), side(1), side(2)], is_ground })
     }
 
-    /// Whether `direction`, a unit vector away from the surface, may be a contact normal here.
-    pub fn verdict(&self, direction: Vec3) -> Verdict {
+    /// Whether `direction`, a unit vector away from the surface, may be a normal for a solid with this center.
+    pub fn verdict(&self, direction: Vec3, center: Vec3) -> Verdict {
         let up = direction.dot(self.normal);
+        if up < -BEYOND_RIDGE {
+            return Verdict::Forbidden;
+        }
         let mut verdict = Verdict::Allowed;
         for (outward, neighbor) in self.outward.iter().zip(&self.neighbors) {
             let out = direction.dot(*outward);
             if out <= BEYOND_FLAT {
                 continue;
             }
-            let Some((index, normal)) = neighbor else {
-                if up < -BEYOND_RIDGE {
-                    return Verdict::Forbidden;
-                }
-                continue;
-            };
+            let Some(Neighbor { index, normal, offset }) = neighbor else { continue };
             // sin(φ − φₖ): how far the direction is past the neighbor's normal, seen along the edge.
             let (fan_up, fan_out) = (normal.dot(self.normal), normal.dot(*outward));
             let past = fan_up * out - fan_out * up;
             let limit = if fan_out > BEYOND_RIDGE { BEYOND_RIDGE } else { BEYOND_FLAT };
-            // A sharp ridge: behind both faces.
-            if past > limit || up < -BEYOND_RIDGE && normal.dot(direction) < 0.0 {
+            if past > limit {
                 return Verdict::Forbidden;
             }
             let lead = direction.dot(*normal) - up;
-            if lead > 1e-6 || lead >= -1e-6 && *index < self.index {
+            let sees_it = self.is_ground || normal.dot(center) >= *offset;
+            if sees_it && (lead > 1e-6 || lead >= -1e-6 && *index < self.index) {
                 verdict = Verdict::Neighbors;
             }
         }
@@ -90,7 +103,7 @@ impl SurfaceTriangle {
 
     /// Drops points on borders inside a plane: the same plane goes on behind them, and so does the contact.
     pub fn drop_inner_points(&self, points: &mut Candidates) {
-        let flat = self.neighbors.map(|n| n.is_some_and(|(_, normal)| normal.dot(self.normal) > FLAT));
+        let flat = self.neighbors.map(|n| n.is_some_and(|n| n.normal.dot(self.normal) > FLAT));
         points.retain(|point: &mut LocalPoint| {
             if let Some(edge) = point.id.a.as_edge() {
                 !flat[edge as usize % 3]
