@@ -1,6 +1,7 @@
 //! Whatever is wrong is refused, with the place and the remedy; nothing panics.
 
 use ishigaki::WorldOptions;
+use ishigaki_scenes::named::Random;
 use ishigaki_scenes::{SceneFile, named, set_option};
 
 /// A scene with one body of one shape, `inner` being the fields of the shape.
@@ -325,4 +326,45 @@ fn options_that_do_not_exist() {
         let message = ask(path, value);
         assert!(message.starts_with(expected), "{path}={value}\n  says:     {message}\n  expected: {expected}");
     }
+}
+
+/// Broken copies of a scene with everything in it: numbers made evil, bytes lost, pieces doubled. Whatever comes of it
+/// is a scene or an error.
+#[test]
+fn broken_files_never_panic() {
+    const EVIL: [&str; 12] =
+        ["0", "-1", "1e38", "-1e38", "1e-45", "1e999", "0.5", "3", "4294967295", "18446744073709551616", "null", "[]"];
+    let whole = include_str!("data/everything.json");
+    let mut random = Random::new(5);
+    let mut built = 0;
+    for _ in 0..1500 {
+        let mut text = whole.to_string();
+        for _ in 0..1 + random.next_u64() % 3 {
+            let at = random.next_u64() as usize % text.len();
+            let Some(start) = text[..]
+                .char_indices()
+                .map(|(i, _)| i)
+                .filter(|&i| i >= at)
+                .find(|&i| text.as_bytes()[i].is_ascii_digit() && !text.as_bytes()[i - 1].is_ascii_digit())
+            else {
+                continue;
+            };
+            let end = start + text[start..].find([',', ']', '}', ' ', '"']).unwrap_or(0);
+            match random.next_u64() % 8 {
+                0 => drop(text.drain(start..end)),
+                1 => text.insert_str(start, "\"x\": 1, "),
+                _ => text.replace_range(start..end, EVIL[random.next_u64() as usize % EVIL.len()]),
+            }
+        }
+        if let Ok(file) = SceneFile::from_json(&text, "broken") {
+            let again = SceneFile::from_json(&file.to_json(), "again");
+            if let Ok(mut scene) = file.build() {
+                // What the engine takes, it can say again and it can step.
+                assert_eq!(again.unwrap(), file);
+                scene.world.step(scene.dt);
+                built += 1;
+            }
+        }
+    }
+    assert!(built > 200, "only {built} of the broken scenes could be built: the test tests little");
 }

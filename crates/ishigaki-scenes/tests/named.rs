@@ -105,10 +105,12 @@ fn the_scenes_are_those_of_the_documentation() {
     assert_eq!(sorted, expected);
 }
 
-/// Dynamic bodies, their mass in kg, joints.
+/// Scene, parameters; dynamic bodies, their mass in kg, joints.
+type Census<'a> = (&'a str, &'a [(&'a str, f64)], usize, f64, usize);
+
 #[test]
 fn counts_and_masses() {
-    let cases: &[(&str, &[(&str, f64)], usize, f64, usize)] = &[
+    let cases: &[Census] = &[
         ("tower", &[("n", 7.0)], 7, 7_000.0, 0),
         // Two courses of 4 bricks of 250 kg, one with two halves.
         ("wall", &[("columns", 4.0), ("rows", 2.0)], 4 + 5, 2_000.0, 0),

@@ -43,7 +43,9 @@ enum Motion {
 }
 
 /// Parent limb, child limb, anchor, the direction of the child from the anchor, range.
-const JOINTS: [(usize, usize, [f32; 3], [f32; 3], Motion); 10] = [
+type LimbJoint = (usize, usize, [f32; 3], [f32; 3], Motion);
+
+const JOINTS: [LimbJoint; 10] = [
     (0, 1, [0.0, 1.06, 0.0], [0.0, 1.0, 0.0], Motion::Cone(0.5, 0.5)),
     // The neck nods by 40° and does not turn backwards: 70° either way.
     (1, 2, [0.0, 1.50, 0.0], [0.0, 1.0, 0.0], Motion::Cone(0.7, 1.2)),
