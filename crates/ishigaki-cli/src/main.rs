@@ -1,1 +1,52 @@
-fn main() {}
+//! The command line of Ishigaki: runs scenes and says what happened.
+//!
+//! Results go to stdout or to files, everything else to stderr. Exit code 2: the input is wrong and the message
+//! says where; 1: anything else went wrong (a disk, a body that is no longer finite); 130: interrupted.
+
+mod failure;
+mod number;
+mod options;
+mod output;
+mod progress;
+mod run;
+mod samples;
+mod scenes;
+mod source;
+mod states;
+mod summary;
+
+use clap::{Parser, Subcommand};
+use failure::Failure;
+use std::process::ExitCode;
+
+#[derive(Parser)]
+#[command(name = "ishigaki", version, about = "A rigid-body physics engine that holds", max_term_width = 110)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene and report times, contacts, errors and energies.
+    Run(run::Run),
+    /// List the named scenes, or write one as a scene file.
+    Scenes(scenes::Scenes),
+    /// List every option of the engine with its default, as `run --set` takes it.
+    Options,
+}
+
+fn main() -> ExitCode {
+    let done = match Arguments::parse().command {
+        Command::Run(run) => run.execute(),
+        Command::Scenes(scenes) => scenes.execute(),
+        Command::Options => options::execute(),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure { code, error }) => {
+            eprintln!("error: {error:#}");
+            ExitCode::from(code)
+        }
+    }
+}

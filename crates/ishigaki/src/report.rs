@@ -68,6 +68,8 @@ pub struct StepReport {
     /// Why the step did nothing, if it did nothing: a Δt that is not finite and > 0.
     pub rejected: Option<String>,
     /// Seconds spent in each stage, in the order of [`Stage::ALL`]; zeros without a clock hook.
+    /// Not written: snapshots of the same run must be the same bytes, whatever the clock said.
+    #[serde(skip)]
     pub stage_seconds: [f64; 10],
     /// Bodies in the world.
     pub bodies: usize,

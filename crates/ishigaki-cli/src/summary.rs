@@ -1,0 +1,183 @@
+//! What a run found out, for people and for programs.
+
+use crate::samples::Samples;
+use ishigaki::{BodyHandle, Stage, StepReport, World};
+use serde::{Serialize, Serializer};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+/// Collected while a run goes on.
+pub struct Record {
+    step: Samples,
+    stages: [Samples; Stage::ALL.len()],
+    worst_penetration: f32,
+    worst_joint_error: f32,
+    non_finite: BTreeSet<BodyHandle>,
+    last: StepReport,
+}
+
+impl Record {
+    pub fn new() -> Self {
+        Self {
+            step: Samples::new(),
+            stages: std::array::from_fn(|_| Samples::new()),
+            worst_penetration: 0.0,
+            worst_joint_error: 0.0,
+            non_finite: BTreeSet::new(),
+            last: StepReport::default(),
+        }
+    }
+
+    /// Takes in one step that took `seconds`.
+    pub fn add(&mut self, seconds: f64, report: StepReport) {
+        self.step.push(1e3 * seconds);
+        for (samples, &stage) in self.stages.iter_mut().zip(&report.stage_seconds) {
+            samples.push(1e3 * stage);
+        }
+        self.worst_penetration = self.worst_penetration.max(report.max_penetration);
+        self.worst_joint_error = self.worst_joint_error.max(report.max_joint_error);
+        self.non_finite.extend(&report.non_finite);
+        self.last = report;
+    }
+
+    pub fn summarize(self, scene: String, steps: u64, dt: f32, warnings: Vec<String>, world: &World) -> Summary {
+        let name = |&handle: &BodyHandle| match world.body(handle).map(|body| body.name()) {
+            Some(name) if !name.is_empty() => name.to_string(),
+            _ => format!("body {}", handle.index()),
+        };
+        let last = self.last;
+        Summary {
+            scene,
+            steps,
+            dt,
+            bodies: last.bodies,
+            ms_per_step: Milliseconds {
+                median: nanoseconds_kept(self.step.median()),
+                p95: nanoseconds_kept(self.step.quantile(0.95)),
+                max: nanoseconds_kept(self.step.max()),
+            },
+            stages_ms: std::array::from_fn(|i| (Stage::ALL[i].name(), nanoseconds_kept(self.stages[i].median()))),
+            contacts: last.contacts,
+            rows: last.rows,
+            max_penetration: last.max_penetration,
+            max_joint_error: last.max_joint_error,
+            max_speed: last.max_speed,
+            kinetic_energy: last.kinetic_energy,
+            potential_energy: last.potential_energy,
+            momentum: last.momentum.to_array(),
+            angular_momentum: last.angular_momentum.to_array(),
+            asleep: last.asleep,
+            frozen: last.frozen,
+            state_hash: format!("{:016x}", world.state_hash()),
+            worst_penetration: self.worst_penetration,
+            worst_joint_error: self.worst_joint_error,
+            non_finite: self.non_finite.iter().map(name).collect(),
+            warnings,
+        }
+    }
+}
+
+/// The result of a run. Lengths in m, speeds in m/s, energies in J; what is not said to be of the whole run is of
+/// the last step.
+#[derive(Serialize)]
+pub struct Summary {
+    scene: String,
+    steps: u64,
+    /// s.
+    dt: f32,
+    bodies: usize,
+    /// Over the whole run.
+    ms_per_step: Milliseconds,
+    /// Medians over the whole run.
+    #[serde(serialize_with = "as_object")]
+    stages_ms: [(&'static str, f64); Stage::ALL.len()],
+    contacts: usize,
+    rows: usize,
+    max_penetration: f32,
+    max_joint_error: f32,
+    max_speed: f32,
+    kinetic_energy: f32,
+    potential_energy: f32,
+    /// kg·m/s.
+    momentum: [f32; 3],
+    /// About the origin, kg·m²/s.
+    angular_momentum: [f32; 3],
+    asleep: usize,
+    frozen: usize,
+    /// Hexadecimal: equal states have equal hashes.
+    state_hash: String,
+    /// Over the whole run.
+    worst_penetration: f32,
+    /// Over the whole run.
+    worst_joint_error: f32,
+    /// Names of bodies that left the numbers, at any step of the run.
+    pub non_finite: Vec<String>,
+    warnings: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Milliseconds {
+    median: f64,
+    p95: f64,
+    max: f64,
+}
+
+impl Summary {
+    /// One JSON object on one line; a number that is not finite is `null`.
+    pub fn json(&self) -> String {
+        // Strings, numbers and string-keyed maps cannot fail.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// Aligned lines with units.
+    pub fn text(&self) -> String {
+        let mut lines: Vec<(&str, String)> = Vec::new();
+        let ms = &self.ms_per_step;
+        lines
+            .push(("time per step", format!("{:.3} ms median, {:.3} ms p95, {:.3} ms max", ms.median, ms.p95, ms.max)));
+        for (stage, ms) in self.stages_ms {
+            lines.push(("", format!("{ms:>10.3} ms {stage}")));
+        }
+        lines.push(("bodies", format!("{}, {} asleep", self.bodies, self.asleep)));
+        lines.push(("contacts", format!("{}, {} frozen", self.contacts, self.frozen)));
+        lines.push(("rows", self.rows.to_string()));
+        lines.push(("penetration", worst(self.max_penetration, self.worst_penetration)));
+        lines.push(("joint error", worst(self.max_joint_error, self.worst_joint_error)));
+        lines.push(("greatest speed", format!("{:.4} m/s", self.max_speed)));
+        lines.push((
+            "energy",
+            format!("{:.6} J kinetic, {:.6} J potential", self.kinetic_energy, self.potential_energy),
+        ));
+        lines.push(("momentum", format!("{} kg·m/s", vector(self.momentum))));
+        lines.push(("angular momentum", format!("{} kg·m²/s", vector(self.angular_momentum))));
+        lines.push(("state hash", self.state_hash.clone()));
+        if !self.non_finite.is_empty() {
+            lines.push(("NOT FINITE", self.non_finite.join(", ")));
+        }
+
+        let seconds = self.steps as f64 * f64::from(self.dt);
+        let mut text = format!("{}: {} steps, {seconds:.3} s simulated\n", self.scene, self.steps);
+        for (what, value) in lines {
+            let _ = writeln!(text, "  {what:<17} {value}");
+        }
+        text
+    }
+}
+
+fn worst(now: f32, ever: f32) -> String {
+    format!("{:.3} mm, {:.3} mm at worst", 1e3 * now, 1e3 * ever)
+}
+
+fn vector([x, y, z]: [f32; 3]) -> String {
+    format!("({x:.4}, {y:.4}, {z:.4})")
+}
+
+/// Milliseconds without the digits below a nanosecond: they are rounding of the clock's seconds.
+fn nanoseconds_kept(ms: f64) -> f64 {
+    (1e6 * ms).round() / 1e6
+}
+
+/// Pairs as an object, in their order.
+fn as_object<S: Serializer>(pairs: &[(&'static str, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(pairs.iter().copied())
+}
