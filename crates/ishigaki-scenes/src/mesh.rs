@@ -171,7 +171,8 @@ fn spans_volume(vertices: &[DVec3]) -> Result<(), String> {
     }
     let (spread, _) = principal_axes(covariance);
     // The square of thickness to length.
-    if !(spread.min_element() > 1e-10 * spread.max_element()) {
+    let thick = spread.min_element() > 1e-10 * spread.max_element();
+    if !thick {
         return Err("lies in one plane or on one line: it has no volume".into());
     }
     Ok(())

@@ -441,10 +441,8 @@ fn audit(document: &Document, warnings: &mut Vec<String>) {
             match element.tag.as_str() {
                 "mimic" => tell("<mimic>", child, "the joint moves independently of the one it should mimic"),
                 "safety_controller" => tell("<safety_controller>", child, "soft limits are left out"),
-                "limit" => {
-                    if element.attribute("effort").or(element.attribute("velocity")).is_some() {
-                        tell("<limit effort, velocity>", child, "there are no motors: left out");
-                    }
+                "limit" if element.attribute("effort").or(element.attribute("velocity")).is_some() => {
+                    tell("<limit effort, velocity>", child, "there are no motors: left out");
                 }
                 other if !KNOWN.contains(&other) => unknown.entry(other).or_insert((0, child)).0 += 1,
                 _ => {}

@@ -22,8 +22,9 @@ impl Classes {
         let mut stack: Vec<(usize, Option<String>)> = sections.map(|&c| (c, None)).collect();
         while let Some((id, parent)) = stack.pop() {
             let name = document.element(id).attribute("class").unwrap_or("main").to_owned();
-            let inherited = parent.as_ref().unwrap_or(&name);
-            let mut class = classes.classes.get(inherited).cloned().unwrap_or_default();
+            // A class may be said in several places; a new one starts as its parent.
+            let known = classes.classes.get(&name).or_else(|| classes.classes.get(parent.as_ref()?));
+            let mut class = known.cloned().unwrap_or_default();
             for &child in document.children(id) {
                 let element = document.element(child);
                 if element.tag != "default" {

@@ -64,7 +64,7 @@ pub(crate) fn groups(pieces: &[&Piece], exceptions: &Exceptions) -> (Vec<Groups>
     // A class that touches nothing needs no bit.
     let touching: Vec<usize> = (0..classes.len()).filter(|&c| classes[c].contains(&true)).collect();
     let bit = |class: usize| -> u32 { touching.iter().position(|&c| c == class).map_or(0, |i| 1 << i.min(31)) };
-    let mut masks = vec![0_u32; 32];
+    let mut masks = [0_u32; 32];
     for kind in 0..kinds.len() {
         let own = bit(class_of[kind]);
         for other in 0..kinds.len() {

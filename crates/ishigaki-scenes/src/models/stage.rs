@@ -157,7 +157,7 @@ fn drive(c: &Coordinate, sign: f64) -> Drive {
         let (lower, upper) = if sign < 0.0 { (-upper, -lower) } else { (lower, upper) };
         Range { lower: lower as f32, upper: upper as f32 }
     });
-    let spring = (c.stiffness > 0.0 || c.damping > 0.0).then(|| Spring {
+    let spring = (c.stiffness > 0.0 || c.damping > 0.0).then_some(Spring {
         target: (c.rest * sign) as f32,
         stiffness: c.stiffness as f32,
         damping: c.damping as f32,

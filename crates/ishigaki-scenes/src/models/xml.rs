@@ -1,9 +1,11 @@
 //! XML as the importers read it: elements with their file and line, includes put in place, numbers checked.
 //!
 //! Elements lie in one flat list and name their children by index: any depth of nesting is read, walked and dropped
-//! without recursion. A number that is not finite is an error of the file.
+//! without recursion (readers that make a tree, `roxmltree` among them, overflow the stack at a few hundred levels in
+//! debug builds). A number that is not finite is an error of the file.
 
 use crate::error::SceneError;
+use quick_xml::events::{BytesStart, Event};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -112,45 +114,76 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn append(&mut self, parent: Option<usize>, xml: &str, file: &str) -> Result<(), SceneError> {
-        let options = roxmltree::ParsingOptions { nodes_limit: 4 * MAX_ELEMENTS as u32, ..Default::default() };
-        let tree = roxmltree::Document::parse_with_options(xml, options)
-            .map_err(|e| SceneError::invalid(format!("{file}:{}", e.pos().row), format!("not well-formed XML: {e}")))?;
         let file_id = self.document.files.len();
         self.document.files.push(file.to_owned());
-        // Lines of elements, found in one pass: asking the tree for each would count from the start every time.
-        let mut line_starts = vec![0];
-        line_starts.extend(xml.bytes().enumerate().filter(|&(_, b)| b == b'\n').map(|(i, _)| i + 1));
-        let root = tree.root_element();
-        let mut stack = Vec::new();
-        match parent {
-            None => stack.push((root, None)),
-            // An included file stands for the children of its root.
-            Some(parent) => stack.extend(elements_reversed(root).map(|n| (n, Some(parent)))),
+        let mut reader = quick_xml::Reader::from_str(xml);
+        let mut lines = Lines { xml: xml.as_bytes(), counted: 0, line: 1 };
+        // Elements that wait for their end; an included file's root stands for the element it is put into.
+        let mut open: Vec<usize> = Vec::new();
+        let mut root_read = false;
+        loop {
+            let start = reader.buffer_position() as usize;
+            let event = reader.read_event();
+            let line = lines.at(start);
+            let broken = |e: &dyn std::fmt::Display| {
+                SceneError::invalid(format!("{file}:{line}"), format!("not well-formed XML: {e}"))
+            };
+            match event.map_err(|e| broken(&e))? {
+                event @ (Event::Start(_) | Event::Empty(_)) => {
+                    let (Event::Start(tag) | Event::Empty(tag)) = &event else { continue };
+                    let is_root = open.is_empty();
+                    if is_root && root_read {
+                        return Err(broken(&"more than one root element"));
+                    }
+                    root_read = true;
+                    let id = match parent {
+                        Some(parent) if is_root => parent,
+                        _ => self.element(tag, open.last().copied(), file_id, line).map_err(|e| match e {
+                            Refused::Xml(message) => broken(&message),
+                            Refused::Scene(error) => error,
+                        })?,
+                    };
+                    if matches!(event, Event::Start(_)) {
+                        open.push(id);
+                    }
+                }
+                Event::End(_) => {
+                    open.pop();
+                }
+                Event::Eof => {
+                    if let Some(&id) = open.last() {
+                        let tag = &self.document.elements[id].tag;
+                        return Err(broken(&format!("<{tag}> has no end")));
+                    }
+                    return if root_read { Ok(()) } else { Err(broken(&"there is no element")) };
+                }
+                _ => {}
+            }
         }
-        while let Some((node, parent)) = stack.pop() {
-            if self.document.elements.len() >= MAX_ELEMENTS {
-                return Err(SceneError::invalid(file.to_owned(), format!("more than {MAX_ELEMENTS} elements")));
-            }
-            let id = self.document.elements.len();
-            let start = node.range().start;
-            let line = line_starts.partition_point(|&s| s <= start) as u32;
-            self.document.elements.push(Element {
-                tag: node.tag_name().name().to_owned(),
-                attributes: node.attributes().map(|a| (a.name().to_owned(), a.value().to_owned())).collect(),
-                children: Vec::new(),
-                file: file_id,
-                line,
-            });
-            if node.tag_name().name() == "include" && self.include_from.is_some() {
-                self.include(id, parent)?;
-                continue;
-            }
-            if let Some(parent) = parent {
-                self.document.elements[parent].children.push(id);
-            }
-            stack.extend(elements_reversed(node).map(|n| (n, Some(id))));
+    }
+
+    /// Takes in an element; of an include, what it stands for.
+    fn element(&mut self, tag: &BytesStart, parent: Option<usize>, file: usize, line: u32) -> Result<usize, Refused> {
+        if self.document.elements.len() >= MAX_ELEMENTS {
+            return Err(Refused::Xml(format!("more than {MAX_ELEMENTS} elements")));
         }
-        Ok(())
+        let name = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        let mut attributes = Vec::new();
+        for attribute in tag.attributes() {
+            let attribute = attribute.map_err(|e| Refused::Xml(e.to_string()))?;
+            let value = attribute.unescape_value().map_err(|e| Refused::Xml(e.to_string()))?;
+            attributes.push((name(attribute.key.local_name().as_ref()), value.into_owned()));
+        }
+        let id = self.document.elements.len();
+        let tag = name(tag.local_name().as_ref());
+        let include = tag == "include" && self.include_from.is_some();
+        self.document.elements.push(Element { tag, attributes, children: Vec::new(), file, line });
+        if include {
+            self.include(id, parent).map_err(Refused::Scene)?;
+        } else if let Some(parent) = parent {
+            self.document.elements[parent].children.push(id);
+        }
+        Ok(id)
     }
 
     fn include(&mut self, id: usize, parent: Option<usize>) -> Result<(), SceneError> {
@@ -182,10 +215,25 @@ impl Reader<'_> {
     }
 }
 
-fn elements_reversed<'a, 'input>(
-    node: roxmltree::Node<'a, 'input>,
-) -> impl Iterator<Item = roxmltree::Node<'a, 'input>> {
-    node.children().rev().filter(|n| n.is_element())
+enum Refused {
+    Xml(String),
+    Scene(SceneError),
+}
+
+/// Line numbers of places that are asked for in order.
+struct Lines<'a> {
+    xml: &'a [u8],
+    counted: usize,
+    line: u32,
+}
+
+impl Lines<'_> {
+    fn at(&mut self, place: usize) -> u32 {
+        let place = place.clamp(self.counted, self.xml.len());
+        self.line += self.xml[self.counted..place].iter().filter(|&&b| b == b'\n').count() as u32;
+        self.counted = place;
+        self.line
+    }
 }
 
 /// The attributes of one element over its defaults, read with their types.
