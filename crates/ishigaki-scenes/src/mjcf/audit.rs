@@ -5,7 +5,7 @@ use crate::models::xml::Document;
 use std::collections::BTreeMap;
 
 /// Sections without any effect on the motion.
-const HARMLESS_SECTIONS: [&str; 6] = ["visual", "statistic", "size", "custom", "sensor", "asset_visual"];
+const HARMLESS_SECTIONS: [&str; 5] = ["visual", "statistic", "size", "custom", "sensor"];
 /// Elements without any effect on the motion.
 const HARMLESS_ELEMENTS: [&str; 9] =
     ["camera", "light", "site", "texture", "material", "skin", "numeric", "text", "tuple"];
