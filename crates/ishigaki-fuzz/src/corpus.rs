@@ -1,6 +1,7 @@
 //! What the mutations start from: the test data of the scene crate and all named scenes.
 
-use crate::{Outcome, Target, check};
+use crate::{Target, is_too_large};
+use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::{list, named};
 use std::path::{Path, PathBuf};
 
@@ -18,17 +19,30 @@ pub struct Seed {
 pub fn all() -> Vec<Seed> {
     let mut seeds = files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../ishigaki-scenes/tests/data"));
     for scene in list() {
-        if let Ok(file) = named(scene.name, &[]) {
-            let data = file.to_json().into_bytes();
-            let small = !crate::is_too_large(&file);
-            if let (true, Ok(built)) = (small, file.build()) {
-                seeds.push(Seed { name: scene.name.into(), target: Target::Snapshot, data: built.world.snapshot() });
-            }
-            seeds.push(Seed { name: scene.name.into(), target: Target::SceneJson, data });
+        // The default sizes are for people to look at: small ones are mutated more often in the same time.
+        let small: Vec<(String, f64)> = scene
+            .parameters
+            .iter()
+            .filter(|p| p.whole && p.default > 3.0)
+            .map(|p| (p.name.into(), p.range.0.max(3.0)))
+            .collect();
+        if let Ok(file) = named(scene.name, &small) {
+            seeds.extend(seeds_of(scene.name, &file));
         }
     }
-    seeds.retain(|seed| check(seed.target, &seed.data) != Outcome::TooLarge);
     seeds
+}
+
+fn seeds_of(name: &str, file: &SceneFile) -> Vec<Seed> {
+    if is_too_large(file) {
+        return Vec::new();
+    }
+    let seed = |target, data| Seed { name: name.into(), target, data };
+    let snapshot = file.build().ok().map(|mut built| {
+        built.world.step(built.dt);
+        seed(Target::Snapshot, built.world.snapshot())
+    });
+    snapshot.into_iter().chain([seed(Target::SceneJson, file.to_json().into_bytes())]).collect()
 }
 
 fn files(folder: &Path) -> Vec<Seed> {
@@ -38,6 +52,7 @@ fn files(folder: &Path) -> Vec<Seed> {
     let seed = |path: PathBuf| {
         let data = std::fs::read(&path).ok()?;
         let target = target_of(&path, &data)?;
+        (data.len() <= crate::MOST_BYTES).then_some(())?;
         Some(Seed { name: path.strip_prefix(folder).unwrap_or(&path).display().to_string(), target, data })
     };
     paths.into_iter().filter_map(seed).collect()
@@ -46,7 +61,11 @@ fn files(folder: &Path) -> Vec<Seed> {
 fn collect(folder: &Path, paths: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
-        if path.is_dir() { collect(&path, paths) } else { paths.push(path) }
+        if path.is_dir() {
+            collect(&path, paths);
+        } else {
+            paths.push(path);
+        }
     }
 }
 

@@ -61,11 +61,11 @@ impl Random {
     }
 }
 
-/// One to four changes to the tree of a JSON text: extreme numbers, other types, lost and doubled entries, values
+/// One to three changes to the tree of a JSON text: extreme numbers, other types, lost and doubled entries, values
 /// from elsewhere in the tree.
 pub fn json(random: &mut Random, original: &Value) -> String {
     let mut tree = original.clone();
-    for _ in 0..=random.below(4) {
+    for _ in 0..=random.below(3) {
         let donor = nth(&tree, &mut random.below(count(&tree))).cloned().unwrap_or(Value::Null);
         let mut place = random.below(count(&tree));
         change(random, &mut tree, &mut place, &donor);
@@ -115,7 +115,7 @@ fn change(random: &mut Random, tree: &mut Value, n: &mut usize, donor: &Value) -
     match tree {
         Value::Array(items) => {
             for i in 0..items.len() {
-                if *n == 0 && random.below(3) == 0 {
+                if *n == 0 && random.below(6) == 0 {
                     if random.below(2) == 0 {
                         items.remove(i);
                     } else {
@@ -131,7 +131,7 @@ fn change(random: &mut Random, tree: &mut Value, n: &mut usize, donor: &Value) -
         Value::Object(map) => {
             let keys: Vec<String> = map.keys().cloned().collect();
             for key in keys {
-                if *n == 0 && random.below(3) == 0 {
+                if *n == 0 && random.below(6) == 0 {
                     change_entry(random, map, &key, donor);
                     return true;
                 }
@@ -167,16 +167,26 @@ fn change_entry(random: &mut Random, map: &mut Map<String, Value>, key: &str, do
 
 fn replacement(random: &mut Random, old: &Value, donor: &Value) -> Value {
     let raw = |text: &str| Value::String(format!("{MARK}{text}{MARK}"));
+    // One in eight gets another type, and is mostly refused; the rest goes further.
     match (random.below(8), old) {
-        (0..=4, Value::Number(_)) => raw(random.pick::<&str>(&EXTREMES)),
-        (5, Value::Number(n)) => {
-            raw(&(n.as_f64().unwrap_or(0.0) * (random.below(2000) as f64 / 500.0 - 2.0)).to_string())
-        }
-        (0..=3, Value::String(_)) => {
+        (0..=2, Value::Number(_)) => raw(random.pick::<&str>(&EXTREMES)),
+        (3..=5, Value::Number(n)) => scaled(random, n.as_f64().unwrap_or(0.0), n.is_f64()),
+        (6, Value::Number(_)) if donor.is_number() => donor.clone(),
+        (0..=6, Value::Bool(b)) => Value::Bool(!b),
+        (0..=2, Value::String(_)) => {
             Value::String(["", "world", "body0", "ground", "\u{0}", "ü…\n", "a\"b"][random.below(7)].into())
         }
-        (0..=3, Value::Bool(b)) => Value::Bool(!b),
-        (_, _) => match random.below(9) {
+        (3..=6, Value::String(_)) if donor.is_string() => donor.clone(),
+        (0..=5, Value::Array(items)) => {
+            let mut items = items.clone();
+            items.iter_mut().for_each(|item| {
+                if let (0, Some(x)) = (random.below(2), item.as_f64()) {
+                    *item = scaled(random, x, true);
+                }
+            });
+            Value::Array(items)
+        }
+        _ => match random.below(9) {
             0 => Value::Null,
             1 => Value::Bool(true),
             2 => Value::from(0),
@@ -189,21 +199,29 @@ fn replacement(random: &mut Random, old: &Value, donor: &Value) -> Value {
     }
 }
 
-/// One to eight changes to a text that is mostly left alone: extreme numbers, lost, doubled, moved and broken pieces.
+/// Something like `x`: from −x to 10 x, or a little beside it.
+fn scaled(random: &mut Random, x: f64, fraction: bool) -> Value {
+    let factor = [-1.0, 0.0, 0.001, 0.5, 0.999, 1.001, 2.0, 10.0][random.below(8)];
+    let shift = [0.0, 0.0, 0.0, 1e-3, 1.0, -1.0][random.below(6)];
+    let changed = x * factor + shift;
+    if fraction { Value::from(changed) } else { Value::from(changed as i64) }
+}
+
+/// One to four changes to a text that is mostly left alone: extreme numbers, lost, doubled, moved and broken pieces.
 pub fn text(random: &mut Random, original: &[u8]) -> Vec<u8> {
     let mut bytes = original.to_vec();
-    for _ in 0..=random.below(8) {
+    for _ in 0..=random.below(4) {
         let at = random.below(bytes.len());
         let end = (at + 1 + random.below(40)).min(bytes.len());
-        match random.below(8) {
-            0..=3 => replace_number(random, &mut bytes, at),
-            4 => drop(bytes.drain(at..end)),
-            5 => {
+        match random.below(16) {
+            0..=11 => replace_number(random, &mut bytes, at),
+            12 => drop(bytes.drain(at..end)),
+            13 => {
                 let piece = bytes[at..end].to_vec();
                 let to = random.below(bytes.len());
                 bytes.splice(to..to, piece);
             }
-            6 if at < end => bytes[at] = *random.pick(b"<>/\"= 0-.eE\n&;"),
+            14 if at < end => bytes[at] = *random.pick(b"<>/\"= 0-.eE\n&;"),
             _ if at < end => bytes[at] ^= 1 << random.below(8),
             _ => {}
         }
@@ -211,13 +229,19 @@ pub fn text(random: &mut Random, original: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The first number after `at` becomes an extreme one.
+/// The first number after `at` becomes another or an extreme one.
 fn replace_number(random: &mut Random, bytes: &mut Vec<u8>, at: usize) {
     let in_number = |b: &u8| b.is_ascii_digit() || b".-+eE".contains(b);
     let Some(start) = bytes[at..].iter().position(u8::is_ascii_digit).map(|i| at + i) else { return };
     let length = bytes[start..].iter().take_while(|b| in_number(b)).count();
-    let extreme = *random.pick(&[EXTREMES.as_slice(), &["nan", "inf", "-inf", "", "1 2"]].concat());
-    bytes.splice(start..start + length, extreme.bytes());
+    let old = std::str::from_utf8(&bytes[start..start + length]).ok().and_then(|digits| digits.parse::<f64>().ok());
+    let new = match (random.below(3), old) {
+        (0, _) | (_, None) => {
+            random.pick(&[EXTREMES.as_slice(), &["nan", "inf", "-inf", "", "1 2"]].concat()).to_string()
+        }
+        (_, Some(x)) => scaled(random, x, true).to_string(),
+    };
+    bytes.splice(start..start + length, new.bytes());
 }
 
 /// One to four broken bytes, or a cut.

@@ -195,3 +195,20 @@ fn bounds_are_what_was_put_in() {
     broad_phase.query_aabb(Vec3::splat(-10.0), Vec3::splat(10.0), &mut found);
     assert!(found.is_empty());
 }
+
+#[test]
+fn a_tree_of_few_boxes_is_rebuilt_whatever_their_slots() {
+    for slots in [&[][..], &[7], &[1, 5], &[5, 1], &[2, 3, 9]] {
+        let mut broad_phase = BroadPhase::new();
+        broad_phase.rebuild(slots.iter().map(|&slot| (slot, Vec3::splat(slot as f32), Vec3::splat(slot as f32 + 0.5))));
+        for slot in 0..10 {
+            let low = Vec3::splat(slot as f32);
+            let expected = slots.contains(&slot).then_some((low, low + 0.5));
+            assert_eq!(broad_phase.bounds(slot), expected, "slot {slot} of {slots:?}");
+        }
+        slots.iter().for_each(|&slot| broad_phase.remove(slot));
+        let mut left = Vec::new();
+        broad_phase.query_aabb(Vec3::splat(-1.0), Vec3::splat(20.0), &mut left);
+        assert!(left.is_empty(), "{left:?} are left of {slots:?}");
+    }
+}

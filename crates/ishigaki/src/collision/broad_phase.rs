@@ -51,7 +51,16 @@ impl BroadPhase {
             }
             Size::NotFinite => None,
         });
-        self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, small);
+        let small: Vec<(usize, Aabb)> = small.collect();
+        if small.len() > 2 {
+            self.tree = Bvh::from_iter(BvhBuildStrategy::Binned, small);
+        } else {
+            // parry 0.31's `from_iter` takes one or two leaves for slots 0 and 1, whatever they are.
+            self.tree = Bvh::new();
+            for (slot, bounds) in small {
+                self.tree.insert(bounds, slot as u32);
+            }
+        }
         self.large.sort_unstable_by_key(|b| b.slot);
     }
 
