@@ -62,6 +62,7 @@ pub struct JointState {
     pub(crate) force: Vec3,
     pub(crate) torque: Vec3,
     pub(crate) anchor_error: f32,
+    pub(crate) angle_error: f32,
 }
 
 impl JointState {
@@ -89,6 +90,11 @@ impl JointState {
     /// Distance between the two anchors where they should coincide, at the end of the last step, m.
     pub fn anchor_error(&self) -> f32 {
         self.anchor_error
+    }
+
+    /// How far an angle is beyond its range, or an axis from the one it should be on, at the end of the last step, rad.
+    pub fn angle_error(&self) -> f32 {
+        self.angle_error
     }
 }
 
@@ -341,6 +347,7 @@ impl World {
             force: Vec3::ZERO,
             torque: Vec3::ZERO,
             anchor_error: 0.0,
+            angle_error: 0.0,
             definition: joint,
         };
         let handle = JointHandle::from(self.joints.insert(state));

@@ -225,7 +225,8 @@ impl World {
         self.report.sweeps += 1;
     }
 
-    /// λ = (1−c)λ₀ + cλ₁ from two solves with the same start. TALK D7.
+    /// λ = (1−c)λ₀ + cλ₁ from two solves with the same start, and so are the velocities: each solution is at rest with
+    /// its own masses, and the blend of λ applied with either masses would not be. TALK D7.
     fn blended_sweeps(&mut self, plan: &mut Plan) {
         let c = self.options.solver.shock_propagation.blend;
         let start: Vec<SolverBody> = plan.bodies.clone();
@@ -235,8 +236,8 @@ impl World {
         apply_all(plan);
         self.sweeps(plan);
         let plain: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
+        let plain_bodies = std::mem::replace(&mut plan.bodies, start);
 
-        plan.bodies.clone_from(&start);
         for (row, lambda) in plan.rows.iter_mut().zip(&first) {
             row.lambda = *lambda;
         }
@@ -252,13 +253,15 @@ impl World {
         }
         plan.units = order;
 
-        plan.bodies.clone_from(&start);
+        for (body, plain) in plan.bodies.iter_mut().zip(&plain_bodies) {
+            body.velocity = (1.0 - c) * plain.velocity + c * body.velocity;
+            body.angular_velocity = (1.0 - c) * plain.angular_velocity + c * body.angular_velocity;
+        }
         for ((row, plain), scale) in plan.rows.iter_mut().zip(&plain).zip(scales) {
             row.lambda = (1.0 - c) * plain + c * row.lambda;
             row.scale = scale;
         }
         refresh_masses(plan);
-        apply_all(plan);
     }
 
     /// Takes the solver's velocities into the bodies: L changes by I Δω, so it stays exact where nothing pushed.
@@ -338,6 +341,7 @@ impl World {
             (joint.force, joint.torque) = (impulse / dt, angular_impulse / dt);
             joint.resolved.refresh(&joint.definition.kind, &a, &b);
             joint.anchor_error = joint.resolved.anchor_error(&joint.definition.kind, &a, &b);
+            joint.angle_error = joint.resolved.angle_error(&joint.definition.kind, &a, &b);
         }
     }
 }
