@@ -206,11 +206,14 @@ pub struct JointRecovery {
     pub enabled: bool,
     /// k: the part of the error taken back in one substep, in [0, 1].
     pub rate: f32,
+    /// γ of hard joint rows as a part of their own J M⁻¹Jᵀ, in sweeps with recovery only. It lets the push of recovery
+    /// fade instead of adding up in the warm start, which would shake heavy loads on light chains to pieces.
+    pub softness: f32,
 }
 
 impl Default for JointRecovery {
     fn default() -> Self {
-        Self { enabled: true, rate: 0.3 }
+        Self { enabled: true, rate: 0.3, softness: 0.1 }
     }
 }
 
@@ -463,6 +466,7 @@ impl SolverOptions {
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;
         not_negative("penetration_recovery.max_speed", self.penetration_recovery.max_speed)?;
         fraction("joint_recovery.rate", self.joint_recovery.rate)?;
+        not_negative("joint_recovery.softness", self.joint_recovery.softness)?;
         not_negative("slop.depth", self.slop.depth)?;
         fraction("warm_start.factor", self.warm_start.factor)?;
         fraction("shock_propagation.blend", self.shock_propagation.blend)?;

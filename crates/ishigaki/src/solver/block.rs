@@ -59,7 +59,7 @@ impl Block {
             for j in 0..=i {
                 let mut sum = inner(&rows[i].jacobian, &rows[j].response);
                 if i == j {
-                    sum += rows[i].softness;
+                    sum += rows[i].gamma;
                 }
                 let diagonal = sum;
                 for (k, pivot) in pivots.iter().enumerate().take(j) {
@@ -82,7 +82,7 @@ impl Block {
         let mut x = [0.0_f32; MAX_BLOCK];
         for i in 0..rows.len() {
             let row = &rows[i];
-            let w = row.velocity(bodies) + row.softness * row.lambda + row.bias;
+            let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
             x[i] = w - (0..i).map(|k| self.lower[i][k] * x[k]).sum::<f32>();
         }
         for i in (0..rows.len()).rev() {

@@ -103,6 +103,8 @@ impl World {
         plan.blocks.clear();
         let scale = self.warm_start_scale(dt);
         let step = self.joint_step(dt);
+        let recovery = &self.options.solver.joint_recovery;
+        let softness = if recovery.enabled { recovery.softness } else { 0.0 };
         for (slot, joint) in self.joints.iter_mut() {
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (body_a, body_b) = (plan.index_of[a as usize], plan.index_of[b as usize]);
@@ -115,7 +117,8 @@ impl World {
             let first = plan.rows.len() as u32;
             plan.joints.push(JointRows { joint: slot, first, count: plan.specs.len() as u32 });
             for (spec, &lambda) in plan.specs.iter().zip(&joint.lambdas) {
-                plan.rows.push(Row::of_joint(spec, body_a, body_b, lambda * scale));
+                let recovery_softness = if is_hard(spec) { softness } else { 0.0 };
+                plan.rows.push(Row { recovery_softness, ..Row::of_joint(spec, body_a, body_b, lambda * scale) });
             }
             block::gather(first as usize, &mut plan.rows, &mut plan.blocks);
         }
@@ -190,6 +193,11 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
         let wa = &options.weight_amplification;
         scale_contacts(plan, |a, b| weight_amplification::scale(wa, a, b));
     }
+}
+
+/// An equality without a spring of its own.
+fn is_hard(spec: &RowSpec) -> bool {
+    spec.softness == 0.0 && spec.lower == f32::NEG_INFINITY && spec.upper == f32::INFINITY
 }
 
 /// Sets the mass scale of every contact row from the heights of its two bodies.

@@ -44,7 +44,7 @@ pub fn reach(bound: &Bound, rows: &[Row]) -> f32 {
 
 #[inline]
 fn solve_row(row: &mut Row, bodies: &mut [SolverBody]) {
-    let w = row.velocity(bodies) + row.softness * row.lambda + row.bias;
+    let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
     // Clamp the sum, not the increment: a later sweep may give impulse back.
     let lambda = (row.lambda - w * row.effective_mass).clamp(row.lower, row.upper);
     let delta_lambda = lambda - row.lambda;

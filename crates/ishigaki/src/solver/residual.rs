@@ -11,7 +11,7 @@ use crate::solver::table::{Row, SolverBody};
 pub fn residual(rows: &[Row], bodies: &[SolverBody]) -> f32 {
     let mut greatest = 0.0_f32;
     let wanted = |row: &Row| {
-        let w = row.velocity(bodies) + row.softness * row.lambda + row.bias;
+        let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
         row.lambda - w * row.effective_mass
     };
     for (i, row) in rows.iter().enumerate() {

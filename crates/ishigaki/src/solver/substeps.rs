@@ -70,7 +70,12 @@ impl World {
             let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
             for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
                 let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
-                *row = Row { total_lambda: row.total_lambda, coupling: row.coupling, ..fresh };
+                *row = Row {
+                    total_lambda: row.total_lambda,
+                    coupling: row.coupling,
+                    recovery_softness: row.recovery_softness,
+                    ..fresh
+                };
             }
         }
     }
@@ -119,6 +124,9 @@ impl World {
     fn relax(&mut self, plan: &mut Plan, h: f32) {
         for row in &mut plan.rows {
             row.bias = row.relax_bias;
+        }
+        if self.options.solver.joint_recovery.softness > 0.0 {
+            harden_joints(plan);
         }
         self.refresh_contact_biases(plan, h);
         for m in &plan.manifolds {
@@ -357,6 +365,17 @@ fn refresh_masses(plan: &mut Plan) {
         row.refresh_mass(&plan.bodies);
     }
     couple_disks(&mut plan.rows);
+    for block in &mut plan.blocks {
+        block.factor(&plan.rows);
+    }
+}
+
+/// Joint rows without the softness of recovery.
+fn harden_joints(plan: &mut Plan) {
+    let joint_rows = plan.joints.last().map_or(0, |j| (j.first + j.count) as usize);
+    for row in &mut plan.rows[..joint_rows] {
+        row.harden();
+    }
     for block in &mut plan.blocks {
         block.factor(&plan.rows);
     }

@@ -86,8 +86,12 @@ pub struct Row {
     pub response: Response,
     /// 1/(J M⁻¹Jᵀ + γ).
     pub effective_mass: f32,
-    /// γ.
+    /// γ that the constraint asks for.
     pub softness: f32,
+    /// More γ while errors are recovered, as a part of J M⁻¹Jᵀ.
+    pub recovery_softness: f32,
+    /// γ of the sweeps that run now.
+    pub gamma: f32,
     /// With recovery of position errors; the sweep reads this one.
     pub bias: f32,
     /// Without; copied to `bias` for relax sweeps.
@@ -136,12 +140,23 @@ impl Row {
             + self.jacobian.angular_b.dot(b.turn)
     }
 
-    /// Fills in what depends on the masses: M⁻¹Jᵀ and 1/(J M⁻¹Jᵀ + γ).
+    /// Fills in what depends on the masses: M⁻¹Jᵀ and 1/(J M⁻¹Jᵀ + γ), for sweeps with recovery.
     pub fn refresh_mass(&mut self, bodies: &[SolverBody]) {
         self.response =
             response(&self.jacobian, &bodies[self.body_a as usize], &bodies[self.body_b as usize], self.scale);
-        let k = inner(&self.jacobian, &self.response) + self.softness;
-        self.effective_mass = if k > 0.0 { 1.0 / k } else { 0.0 };
+        let k = inner(&self.jacobian, &self.response);
+        self.soften(k, self.softness + self.recovery_softness * k);
+    }
+
+    /// The row as hard as its constraint: for relax sweeps.
+    pub fn harden(&mut self) {
+        let k = inner(&self.jacobian, &self.response);
+        self.soften(k, self.softness);
+    }
+
+    fn soften(&mut self, k: f32, gamma: f32) {
+        self.gamma = gamma;
+        self.effective_mass = if k + gamma > 0.0 { 1.0 / (k + gamma) } else { 0.0 };
     }
 }
 
@@ -173,6 +188,8 @@ impl Row {
             response: Response::default(),
             effective_mass: 0.0,
             softness: 0.0,
+            recovery_softness: 0.0,
+            gamma: 0.0,
             bias: spec.bias,
             relax_bias: spec.bias,
             lower: 0.0,
@@ -194,6 +211,8 @@ impl Row {
             response: Response::default(),
             effective_mass: 0.0,
             softness: spec.softness,
+            recovery_softness: 0.0,
+            gamma: 0.0,
             bias: spec.bias,
             relax_bias: spec.relax_bias,
             lower: spec.lower,
