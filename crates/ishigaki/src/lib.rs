@@ -41,3 +41,8 @@ pub use query::{PointHit, QueryFilter, RayHit, ShapeHit};
 pub use report::{Stage, StepReport};
 pub use shape::{Combine, ConvexHull, Geometry, Groups, HeightField, Material, Shape, TriangleMesh};
 pub use world::{BodyMut, ContactView, JointState, World};
+
+/// The examples of the readme, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -312,7 +312,7 @@ impl Shape {
     /// The first field that is not finite or out of its range.
     pub fn validate(&self) -> Result<()> {
         self.geometry.validate()?;
-        finite_vector("position", self.pose.translation)?;
+        within_reach(self.pose.translation, || "position".into())?;
         let length = self.pose.rotation.length();
         if !(length.is_finite() && (length - 1.0).abs() < 1e-3) {
             return Err(Error::invalid("rotation", format!("must be a unit quaternion, has length {length}")));
@@ -339,7 +339,17 @@ impl Material {
 /// Larger than any scene in f32 can use: beyond it distances lose millimeters and products overflow.
 pub(crate) const HUGE_LENGTH: f32 = 1.0e6;
 
-fn extent(place: &str, value: f32) -> Result<()> {
+/// Refuses points that are not finite or too far out; `place` is made only then.
+pub(crate) fn within_reach(point: Vec3, place: impl FnOnce() -> String) -> Result<()> {
+    if point.is_finite() && point.abs().max_element() <= HUGE_LENGTH {
+        Ok(())
+    } else {
+        Err(Error::invalid(place(), format!("must be finite and within {HUGE_LENGTH} m of the origin")))
+    }
+}
+
+/// Refuses lengths that are not > 0 or too large.
+pub(crate) fn extent(place: &str, value: f32) -> Result<()> {
     positive(place, value)?;
     if value > HUGE_LENGTH {
         return Err(Error::invalid(place, format!("must be at most {HUGE_LENGTH} m, is {value}")));

@@ -1,7 +1,8 @@
 //! A terrain over a regular grid.
 
-use crate::error::{Error, Result, positive};
+use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::shape::{extent, within_reach};
 use parry3d::shape::HeightField as ParryField;
 use parry3d::utils::Array2;
 use serde::{Deserialize, Serialize};
@@ -58,8 +59,8 @@ impl PartialEq for HeightField {
 impl TryFrom<FieldData> for HeightField {
     type Error = Error;
     fn try_from(data: FieldData) -> Result<Self> {
-        positive("size_x", data.size_x)?;
-        positive("size_z", data.size_z)?;
+        extent("size_x", data.size_x)?;
+        extent("size_z", data.size_z)?;
         if data.rows < 2 || data.columns < 2 {
             let message = format!("needs at least 2 rows and 2 columns, has {} and {}", data.rows, data.columns);
             return Err(Error::invalid("heights", message));
@@ -69,8 +70,8 @@ impl TryFrom<FieldData> for HeightField {
                 format!("{} rows × {} columns do not match {} heights", data.rows, data.columns, data.heights.len());
             return Err(Error::invalid("heights", message));
         }
-        if let Some(i) = data.heights.iter().position(|h| !h.is_finite()) {
-            return Err(Error::invalid(format!("heights[{i}]"), "must be finite"));
+        for (i, &height) in data.heights.iter().enumerate() {
+            within_reach(Vec3::Y * height, || format!("heights[{i}]"))?;
         }
         // parry stores its matrix column by column, rows along Z.
         let mut column_major = Vec::with_capacity(data.heights.len());

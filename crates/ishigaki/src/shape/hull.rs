@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::shape::within_reach;
 use parry3d::shape::ConvexPolyhedron;
 use parry3d::transformation::try_convex_hull;
 use serde::{Deserialize, Serialize};
@@ -71,8 +72,8 @@ impl ConvexHull {
         if points.len() < 4 {
             return Err(Error::invalid("points", format!("a hull needs at least 4 points, has {}", points.len())));
         }
-        if let Some(i) = points.iter().position(|p| !p.is_finite()) {
-            return Err(Error::invalid(format!("points[{i}]"), "must be finite"));
+        for (i, &point) in points.iter().enumerate() {
+            within_reach(point, || format!("points[{i}]"))?;
         }
         let flat = || Error::invalid("points", "must span a volume: they lie in one plane or on one line");
         let (vertices, triangles) = try_convex_hull(points).map_err(|_| flat())?;

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::math::Vec3;
+use crate::shape::within_reach;
 use parry3d::shape::{TriMesh, TriMeshFlags};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -31,8 +32,8 @@ impl TriangleMesh {
         if triangles.is_empty() {
             return Err(Error::invalid("triangles", "a mesh needs at least one triangle"));
         }
-        if let Some(i) = vertices.iter().position(|v| !v.is_finite()) {
-            return Err(Error::invalid(format!("vertices[{i}]"), "must be finite"));
+        for (i, &vertex) in vertices.iter().enumerate() {
+            within_reach(vertex, || format!("vertices[{i}]"))?;
         }
         for (i, triangle) in triangles.iter().enumerate() {
             if let Some(&bad) = triangle.iter().find(|&&v| v as usize >= vertices.len()) {
