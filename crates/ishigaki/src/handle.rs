@@ -3,6 +3,7 @@
 //! A handle stays valid until its object is removed; a stale one finds nothing, even when the slot has
 //! been used again. Iteration is by slot index: an order that depends only on the history of calls.
 
+use crate::error::{Error, Result};
 use serde::{Deserialize, Serialize};
 
 macro_rules! handle {
@@ -125,6 +126,19 @@ impl<T> Arena<T> {
     /// Objects in slot order.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
         self.slots.iter_mut().enumerate().filter_map(|(i, s)| s.value.as_mut().map(|v| (i as u32, v)))
+    }
+
+    /// The object in a slot, if there is such a slot and it is in use.
+    pub fn in_use(&self, index: u32) -> Option<&T> {
+        self.slots.get(index as usize)?.value.as_ref()
+    }
+
+    /// Checks that the list of free slots names exactly the empty ones.
+    pub fn validate(&self) -> Result<()> {
+        let mut free = self.free.clone();
+        free.sort_unstable();
+        let empty = self.slots.iter().enumerate().filter(|(_, slot)| slot.value.is_none()).map(|(i, _)| i as u32);
+        if empty.eq(free) { Ok(()) } else { Err(Error::invalid("free", "does not name exactly the empty slots")) }
     }
 
     /// How many objects there are.

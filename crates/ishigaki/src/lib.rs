@@ -19,6 +19,7 @@ pub mod mass;
 pub mod math;
 mod measure;
 pub mod motion;
+mod number;
 pub mod options;
 pub mod query;
 pub mod report;
@@ -26,6 +27,7 @@ pub mod shape;
 mod snapshot;
 pub mod solver;
 mod step;
+mod validate;
 pub mod world;
 
 pub use body::{Body, BodyKind, BodyState, MassSource, NO_HEIGHT, ShapeId};

@@ -1,7 +1,19 @@
 //! Snapshots: all state as bytes, with a version and a checksum; and the hash of a state.
 
+use crate::body::{BodyState, ShapeState};
+use crate::collision::broad_phase::BroadPhase;
+use crate::collision::manifold::Contact;
 use crate::error::{Error, Result};
-use crate::world::World;
+use crate::event::Event;
+use crate::handle::Arena;
+use crate::options::WorldOptions;
+use crate::report::StepReport;
+use crate::solver::permutation::Random;
+use crate::step::Scratch;
+use crate::world::{JointState, World};
+use serde::de::Visitor;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::fmt;
 
 /// Snapshots begin with this.
 const MAGIC: &[u8; 8] = b"ISHIGAKI";
@@ -9,6 +21,40 @@ const MAGIC: &[u8; 8] = b"ISHIGAKI";
 const VERSION: u32 = 1;
 /// Magic, version, checksum.
 const HEADER: usize = 16;
+
+/// What of a world is written, in this order; the rest follows from it.
+#[derive(Serialize, Deserialize)]
+#[serde(remote = "World")]
+struct Written {
+    options: WorldOptions,
+    bodies: Arena<BodyState>,
+    shapes: Arena<ShapeState>,
+    joints: Arena<JointState>,
+    contacts: Vec<Contact>,
+    excluded: Vec<(u32, u32)>,
+    jointed: Vec<(u32, u32)>,
+    events: Vec<Event>,
+    pending_events: Vec<Event>,
+    report: StepReport,
+    random: Random,
+    last_substep: f32,
+    step_count: u64,
+    time: f64,
+    #[serde(skip)]
+    broad_phase: BroadPhase,
+    #[serde(skip)]
+    scratch: Scratch,
+}
+
+#[derive(Serialize)]
+struct Writing<'a>(#[serde(serialize_with = "write")] &'a World);
+
+#[derive(Deserialize)]
+struct Reading(#[serde(with = "Written")] World);
+
+fn write<S: Serializer>(world: &&World, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    Written::serialize(world, serializer)
+}
 
 impl World {
     /// All state as bytes, with a version and a checksum.
@@ -25,7 +71,7 @@ impl World {
     /// # Ok::<(), ishigaki::Error>(())
     /// ```
     pub fn snapshot(&self) -> Vec<u8> {
-        let body = postcard::to_stdvec(self).expect("a world is plain data");
+        let body = postcard::to_stdvec(&Writing(self)).expect("a world is plain data");
         let mut bytes = Vec::with_capacity(HEADER + body.len());
         bytes.extend_from_slice(MAGIC);
         bytes.extend_from_slice(&VERSION.to_le_bytes());
@@ -37,7 +83,7 @@ impl World {
     /// The world of a snapshot; it continues bit for bit.
     ///
     /// # Errors
-    /// Bytes that are no snapshot, are damaged, or are of another version.
+    /// Bytes that are no snapshot, are damaged, are of another version, or hold a state that contradicts itself.
     pub fn restore(bytes: &[u8]) -> Result<Self> {
         let refuse = |message: String| Err(Error::Snapshot(message));
         if bytes.len() < HEADER || &bytes[..8] != MAGIC {
@@ -53,8 +99,8 @@ impl World {
         if crc32fast::hash(body) != checksum {
             return refuse("damaged or cut off: its checksum does not fit".into());
         }
-        let mut world: Self = postcard::from_bytes(body).map_err(|e| Error::Snapshot(format!("unreadable: {e}")))?;
-        world.options.validate()?;
+        let Reading(mut world) = postcard::from_bytes(body).map_err(|e| Error::Snapshot(format!("unreadable: {e}")))?;
+        world.validate().map_err(|e| Error::Snapshot(format!("contradicts itself: {e}")))?;
         world.broad_phase.rebuild(world.shapes.iter().map(|(slot, s)| (slot, s.bounds_min, s.bounds_max)));
         Ok(world)
     }
@@ -77,4 +123,56 @@ impl World {
         }
         hash
     }
+}
+
+/// As its snapshot: bytes, or hexadecimal digits in formats for people, which know neither NaN nor infinity.
+impl Serialize for World {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        let bytes = self.snapshot();
+        if serializer.is_human_readable() {
+            serializer.serialize_str(&to_hex(&bytes))
+        } else {
+            serializer.serialize_bytes(&bytes)
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for World {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        if deserializer.is_human_readable() {
+            deserializer.deserialize_str(SnapshotVisitor)
+        } else {
+            deserializer.deserialize_byte_buf(SnapshotVisitor)
+        }
+    }
+}
+
+struct SnapshotVisitor;
+
+impl Visitor<'_> for SnapshotVisitor {
+    type Value = World;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a snapshot of a world")
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> std::result::Result<World, E> {
+        let bytes = from_hex(text).ok_or_else(|| E::custom("a snapshot as text is hexadecimal digits"))?;
+        self.visit_bytes(&bytes)
+    }
+
+    fn visit_bytes<E: serde::de::Error>(self, bytes: &[u8]) -> std::result::Result<World, E> {
+        World::restore(bytes).map_err(E::custom)
+    }
+}
+
+fn to_hex(bytes: &[u8]) -> String {
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    bytes.iter().flat_map(|b| [b >> 4, b & 15]).map(|digit| char::from(DIGITS[usize::from(digit)])).collect()
+}
+
+fn from_hex(text: &str) -> Option<Vec<u8>> {
+    let digit = |c: u8| char::from(c).to_digit(16).map(|d| d as u8);
+    let (pairs, rest) = text.as_bytes().as_chunks::<2>();
+    rest.is_empty().then(|| pairs.iter().map(|&[high, low]| Some(digit(high)? << 4 | digit(low)?)).collect())?
 }

@@ -19,8 +19,8 @@ use smallvec::{SmallVec, smallvec};
 
 /// All bodies, shapes, joints and contacts, and what is remembered between steps.
 ///
-/// `Clone` and serialisable: a restored world continues bit for bit.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+/// `Clone` and serialisable (as its [`snapshot`](Self::snapshot)): a restored world continues bit for bit.
+#[derive(Clone, Debug)]
 pub struct World {
     pub(crate) options: WorldOptions,
     pub(crate) bodies: Arena<BodyState>,
@@ -44,10 +44,8 @@ pub struct World {
     /// Sum of all Δt, s.
     pub(crate) time: f64,
     /// Rebuilt from the shapes' bounds after restoring.
-    #[serde(skip)]
     pub(crate) broad_phase: BroadPhase,
     /// Arrays that are used again in each step; nothing in them outlives a step.
-    #[serde(skip)]
     pub(crate) scratch: Scratch,
 }
 
@@ -229,7 +227,9 @@ impl World {
         for contact in &self.contacts {
             if contact.body_a == index || contact.body_b == index {
                 let other = if contact.body_a == index { contact.body_b } else { contact.body_a };
-                self.bodies.at_mut(other).wake();
+                if !contact.sensor {
+                    self.bodies.at_mut(other).wake();
+                }
                 if contact.touching {
                     ended.push((contact.shape_a, contact.shape_b, contact.sensor));
                 }
@@ -267,6 +267,7 @@ impl World {
     pub fn body_mut(&mut self, handle: BodyHandle) -> Option<BodyMut<'_>> {
         let body = self.bodies.get_mut(handle.into())?;
         body.wake();
+        body.edited = true;
         Some(BodyMut { body, shapes: &mut self.shapes, broad_phase: &mut self.broad_phase })
     }
 
@@ -296,7 +297,7 @@ impl World {
     /// Two bodies never touch from now on.
     ///
     /// # Errors
-    /// A stale handle.
+    /// A stale handle, twice the same body.
     pub fn exclude_pair(&mut self, a: BodyHandle, b: BodyHandle) -> Result<()> {
         let pair = self.checked_pair(a, b)?;
         if let Err(place) = self.excluded.binary_search(&pair) {
@@ -309,22 +310,29 @@ impl World {
     /// Two bodies may touch again.
     ///
     /// # Errors
-    /// A stale handle.
+    /// A stale handle, twice the same body.
     pub fn include_pair(&mut self, a: BodyHandle, b: BodyHandle) -> Result<()> {
         let pair = self.checked_pair(a, b)?;
         if let Ok(place) = self.excluded.binary_search(&pair) {
             self.excluded.remove(place);
-            // Bounds that overlap already are not reported again: touch both shapes.
-            for index in [pair.0, pair.1] {
-                for &slot in &self.bodies.at(index).shapes {
-                    self.shapes.at_mut(slot).moved = true;
-                }
-            }
+            self.find_anew(pair);
         }
         Ok(())
     }
 
+    /// Bounds that overlap already are not reported again unless they move: let both seem to.
+    fn find_anew(&mut self, pair: (u32, u32)) {
+        for index in [pair.0, pair.1] {
+            for &slot in &self.bodies.at(index).shapes {
+                self.shapes.at_mut(slot).moved = true;
+            }
+        }
+    }
+
     fn checked_pair(&mut self, a: BodyHandle, b: BodyHandle) -> Result<(u32, u32)> {
+        if a == b {
+            return Err(Error::invalid("body_b", "must differ from body_a: it is no pair"));
+        }
         for (place, handle) in [("body_a", a), ("body_b", b)] {
             self.bodies.get_mut(handle.into()).ok_or_else(|| Error::Stale { place: place.into() })?.wake();
         }
@@ -369,7 +377,11 @@ impl World {
             return Err(Error::invalid("kind", "cannot change: remove the joint and add another"));
         }
         (joint.body_a, joint.body_b, joint.frames) = (old.body_a, old.body_b, old.frames);
-        self.checked_pair(joint.body_a, joint.body_b)?;
+        let may_touch_now = joint.collide && !old.collide;
+        let pair = self.checked_pair(joint.body_a, joint.body_b)?;
+        if may_touch_now {
+            self.find_anew(pair);
+        }
         let state = self.joints.get_mut(handle.into()).ok_or_else(stale)?;
         let rows = state.resolved.row_count(&joint.kind);
         if rows != state.lambdas.len() {

@@ -9,9 +9,11 @@ use std::ops::RangeInclusive;
 /// A range of a coordinate: rad for angles, m for lengths.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Range {
-    /// Lower end.
+    /// Lower end; −∞ for none.
+    #[serde(with = "crate::number")]
     pub lower: f32,
-    /// Upper end.
+    /// Upper end; ∞ for none.
+    #[serde(with = "crate::number")]
     pub upper: f32,
 }
 
@@ -26,7 +28,8 @@ impl From<RangeInclusive<f32>> for Range {
 pub struct Motor {
     /// rad/s or m/s.
     pub speed: f32,
-    /// Greatest effort: N·m or N.
+    /// Greatest effort: N·m or N; may be infinite.
+    #[serde(with = "crate::number")]
     pub max_effort: f32,
 }
 
@@ -190,8 +193,10 @@ pub struct Joint {
     /// Whether the two bodies may touch each other.
     pub collide: bool,
     /// It breaks when it carries more than this, N.
+    #[serde(with = "crate::number::optional")]
     pub break_force: Option<f32>,
     /// It breaks when it carries more than this, N·m.
+    #[serde(with = "crate::number::optional")]
     pub break_torque: Option<f32>,
 }
 
