@@ -5,6 +5,7 @@ use crate::error::{Error, Result, finite_vector, not_negative, positive};
 use crate::handle::BodyHandle;
 use crate::mass::MassProperties;
 use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal, vector_from_rotation};
+use crate::motion::forces::limited;
 use crate::shape::{Geometry, HUGE_LENGTH, Shape};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
@@ -344,6 +345,8 @@ pub struct BodyState {
     pub(crate) target_driven: bool,
     /// Takes no part because its numbers are not finite.
     pub(crate) broken: bool,
+    /// Its user changed it since the last step: what rests on it looks again.
+    pub(crate) edited: bool,
     /// Contacts that carry more are reported, N.
     pub(crate) force_threshold: Option<f32>,
     pub(crate) asleep: bool,
@@ -508,6 +511,7 @@ impl BodyState {
             previous_pose: Pose::from_parts(body.pose.translation, rotation),
             target_driven: false,
             broken: false,
+            edited: false,
             force_threshold: None,
             asleep: false,
             rest_time: 0.0,
@@ -528,6 +532,14 @@ impl BodyState {
         self.rest_steps = 0;
     }
 
+    /// It gained or lost a contact: its pairs thaw; if it slept, it wakes.
+    pub(crate) fn feel_change(&mut self) {
+        self.rest_steps = 0;
+        if self.asleep {
+            self.wake();
+        }
+    }
+
     pub(crate) fn put_to_sleep(&mut self) {
         self.asleep = true;
         self.velocity = Vec3::ZERO;
@@ -546,14 +558,21 @@ impl BodyState {
 
     /// Gives a kinematic body the velocity that takes it to its target; without a new one it stops.
     pub(crate) fn aim_at_target(&mut self, dt: f32) {
+        (self.velocity, self.angular_velocity) = self.velocities_in_step(dt);
+        self.target_driven = false;
+    }
+
+    /// Velocity (m/s) and angular velocity (rad/s) with which the coming step begins: those that take a kinematic
+    /// body to its target, none where the last target has been reached.
+    pub(crate) fn velocities_in_step(&self, dt: f32) -> (Vec3, Vec3) {
         if let Some(target) = self.kinematic_target {
             let center = target.translation + target.rotation * self.mass.center;
-            self.velocity = (center - self.center) / dt;
-            self.angular_velocity = vector_from_rotation(target.rotation * self.rotation.conjugate()) / dt;
+            let turn = vector_from_rotation(target.rotation * self.rotation.conjugate());
+            ((center - self.center) / dt, turn / dt)
         } else if self.target_driven {
-            self.target_driven = false;
-            self.velocity = Vec3::ZERO;
-            self.angular_velocity = Vec3::ZERO;
+            (Vec3::ZERO, Vec3::ZERO)
+        } else {
+            (self.velocity, self.angular_velocity)
         }
     }
 
@@ -570,6 +589,11 @@ impl BodyState {
                 || !self.target_driven && (self.velocity != Vec3::ZERO || self.angular_velocity != Vec3::ZERO))
     }
 
+    /// Whether its pairs must be looked at again: it moves, or its user changed it.
+    pub(crate) fn is_stirring(&self) -> bool {
+        self.is_active() || self.is_moving_kinematic() || self.edited
+    }
+
     pub(crate) fn has_locked_rotation(&self) -> bool {
         self.locked_rotation.contains(&true)
     }
@@ -583,6 +607,32 @@ impl BodyState {
             && self.rotation.is_finite()
             && self.velocity.is_finite()
             && self.angular_velocity.is_finite()
+            && self.angular_momentum.is_finite()
+    }
+
+    /// A user may ask for any speed; the solver sees no faster one than the options allow, m/s and rad/s.
+    pub(crate) fn limit_speeds(&mut self, max_speed: f32, max_angular_speed: f32) {
+        self.velocity = limited(self.velocity, max_speed);
+        let limit = limited(self.angular_velocity, max_angular_speed);
+        if limit != self.angular_velocity && self.is_finite() {
+            self.angular_velocity = limit;
+            self.angular_momentum = self.inertia_world() * limit;
+        }
+    }
+
+    /// Forces beyond those that reverse the greatest speed within the step could only leave f32; m/s², rad/s².
+    pub(crate) fn limit_forces(&mut self, max_acceleration: f32, max_angular_acceleration: f32) {
+        if !self.is_active() {
+            return;
+        }
+        if self.force != Vec3::ZERO {
+            let inverse_mass = self.inverse_mass;
+            self.force = limited_by(self.force, |f| f * inverse_mass, 2.0 * max_acceleration);
+        }
+        if self.torque != Vec3::ZERO {
+            let inverse_inertia = self.inverse_inertia_world();
+            self.torque = limited_by(self.torque, |t| inverse_inertia * t, 2.0 * max_angular_acceleration);
+        }
     }
 
     /// Rotation of the principal axes of inertia: world_from_principal.
@@ -611,6 +661,15 @@ impl BodyState {
     pub(crate) fn inverse_mass_by_axis(&self) -> Vec3 {
         unlocked(self.locked_translation) * self.inverse_mass
     }
+}
+
+/// The vector, shortened so that its `effect` (linear) is no longer than `most`.
+fn limited_by(vector: Vec3, effect: impl Fn(Vec3) -> Vec3, most: f32) -> Vec3 {
+    // In units of the largest component: squares of large ones would overflow.
+    let largest = vector.abs().max_element();
+    let unit = vector / largest;
+    let per_unit = effect(unit).length();
+    if per_unit * largest > most { unit * (most / per_unit) } else { vector }
 }
 
 /// 1 for free axes, 0 for locked ones.

@@ -3,7 +3,7 @@
 use crate::body::{BodyKind, BodyState};
 use crate::error::{Error, Result, finite, finite_vector, not_negative};
 use crate::math::{Pose, Vec3};
-use crate::shape::Material;
+use crate::shape::{HUGE_LENGTH, Material};
 use crate::world::BodyMut;
 
 impl BodyMut<'_> {
@@ -42,6 +42,7 @@ impl BodyMut<'_> {
         finite_vector("velocity", velocity)?;
         if self.body.kind != BodyKind::Fixed {
             self.body.velocity = velocity;
+            self.leave_target();
         }
         Ok(())
     }
@@ -54,8 +55,14 @@ impl BodyMut<'_> {
         finite_vector("angular_velocity", angular_velocity)?;
         if self.body.kind != BodyKind::Fixed {
             self.put_angular_velocity(angular_velocity);
+            self.leave_target();
         }
         Ok(())
+    }
+
+    /// A velocity given by hand lasts: it does not end with the step as that toward a target does.
+    fn leave_target(&mut self) {
+        (self.body.target_driven, self.body.kinematic_target) = (false, None);
     }
 
     fn put_angular_velocity(&mut self, angular_velocity: Vec3) {
@@ -185,6 +192,9 @@ impl BodyMut<'_> {
 
 fn checked_pose(pose: Pose) -> Result<Pose> {
     finite_vector("pose.position", pose.translation)?;
+    if pose.translation.abs().max_element() > HUGE_LENGTH {
+        return Err(Error::invalid("pose.position", format!("must be within {HUGE_LENGTH} m of the origin")));
+    }
     let length = pose.rotation.length();
     if length.is_finite() && (length - 1.0).abs() < 1e-3 {
         Ok(Pose::from_parts(pose.translation, pose.rotation.normalize()))

@@ -23,7 +23,7 @@ impl World {
             report.max_joint_error = report.max_joint_error.max(joint.anchor_error);
         }
         for (index, body) in self.bodies.iter() {
-            if !body.is_finite() {
+            if body.broken || !body.is_finite() {
                 report.non_finite.push(self.body_handle(index));
             } else if body.is_dynamic() {
                 report.asleep += usize::from(body.asleep);

@@ -8,6 +8,10 @@ use crate::solver::height;
 use crate::solver::plan::{self, Plan};
 use crate::world::World;
 
+/// Steps outside this range divide by nothing or leave f32, s.
+const SHORTEST_STEP: f32 = 1e-9;
+const LONGEST_STEP: f32 = 1e6;
+
 /// Arrays that are used again in each step, so that a settled world allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
@@ -75,21 +79,24 @@ impl World {
         self.report.clone()
     }
 
-    /// Forgets the last step; refuses a Δt that is no Δt; takes out bodies that are not finite.
+    /// Forgets the last step; refuses a Δt that is no Δt; takes out bodies that are not finite, slows the too fast.
     fn begin(&mut self, dt: f32) -> bool {
         let mut residuals = std::mem::take(&mut self.report.residual_by_sweep);
         residuals.clear();
         self.report = StepReport { residual_by_sweep: residuals, ..StepReport::default() };
         self.events.clear();
         self.events.append(&mut self.pending_events);
-        if !(dt.is_finite() && dt > 0.0) {
-            self.report.rejected = Some(format!("the step must be finite and > 0 s, is {dt}"));
+        if !(SHORTEST_STEP..=LONGEST_STEP).contains(&dt) {
+            self.report.rejected =
+                Some(format!("the step must be in [{SHORTEST_STEP:e}, {LONGEST_STEP:e}] s, is {dt:e}"));
             return false;
         }
         let sleeps = self.options.rest.sleep.enabled;
+        let (max_speed, max_angular_speed) = self.speed_limits();
         for (_, body) in self.bodies.iter_mut() {
             body.previous_pose = body.pose();
-            body.broken = !body.is_finite();
+            body.broken = !(body.is_finite() && body.force.is_finite() && body.torque.is_finite());
+            body.limit_speeds(max_speed, max_angular_speed);
             if !sleeps && body.asleep {
                 body.wake();
             }
@@ -99,9 +106,17 @@ impl World {
 
     /// Velocities of kinematic bodies from their targets; gravity and user forces act in each substep.
     fn gather_forces(&mut self, dt: f32) {
+        let (max_speed, max_angular_speed) = self.speed_limits();
         for (_, body) in self.bodies.iter_mut() {
             body.aim_at_target(dt);
+            body.limit_forces(max_speed / dt, max_angular_speed / dt);
         }
+    }
+
+    /// m/s and rad/s.
+    fn speed_limits(&self) -> (f32, f32) {
+        let motion = &self.options.motion;
+        (motion.max_speed * self.options.length_scale.sqrt(), motion.max_angular_speed)
     }
 
     /// Exact poses of kinematic bodies, stops at walls, forces forgotten.
@@ -117,11 +132,14 @@ impl World {
         }
         self.hold_bounds();
         self.time += f64::from(dt);
-        self.step_count += 1;
+        self.step_count = self.step_count.saturating_add(1);
     }
 
     fn put_to_rest(&mut self, dt: f32) {
         let (rest, scale) = (self.options.rest.clone(), self.options.length_scale);
+        for (_, body) in self.bodies.iter_mut() {
+            body.edited = false;
+        }
         for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_active()) {
             sleep::count_rest_time(body, &rest.sleep, scale, dt);
             aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
@@ -129,6 +147,7 @@ impl World {
         if rest.sleep.enabled {
             self.put_islands_to_sleep();
         }
+        self.notice_impacts();
         self.break_joints();
         self.notice_forces(dt);
     }

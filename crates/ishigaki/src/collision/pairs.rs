@@ -95,7 +95,7 @@ impl World {
             for slot in [a, b] {
                 let body = self.shapes.at(slot).body;
                 if !sensor {
-                    self.bodies.at_mut(body).rest_steps = 0;
+                    self.bodies.at_mut(body).feel_change();
                 }
             }
             let event = self.touch_event(a, b, sensor, false);
@@ -147,17 +147,13 @@ fn swept_bounds(shape: &ShapeState, body: &BodyState, dt: f32, margin: f32) -> (
     let half = 0.5 * (max - min);
     // A turning body reaches out by ω r Δt, never by more than its own size.
     let reach = half.length() + shape.center_from_shape.translation.length();
-    let swing = (body.angular_velocity.length() * reach * dt).min(reach);
+    let (_, angular_velocity) = body.velocities_in_step(dt);
+    let swing = (angular_velocity.length() * reach * dt).min(reach);
     let (motion, pad) = (motion_in_step(body, dt), Vec3::splat(margin + swing));
     (min.min(min + motion) - pad, max.max(max + motion) + pad)
 }
 
 /// How far the center will move in the coming step, m.
 pub(crate) fn motion_in_step(body: &BodyState, dt: f32) -> Vec3 {
-    match (body.kind, body.kinematic_target) {
-        (BodyKind::Kinematic, Some(target)) => target.translation + target.rotation * body.mass.center - body.center,
-        (BodyKind::Fixed, _) => Vec3::ZERO,
-        _ if body.asleep => Vec3::ZERO,
-        _ => body.velocity * dt,
-    }
+    if body.kind == BodyKind::Fixed || body.asleep { Vec3::ZERO } else { body.velocities_in_step(dt).0 * dt }
 }

@@ -35,10 +35,9 @@ impl World {
     ) {
         let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
         let (shape_a, shape_b) = (self.shapes.at(contact.shape_a), self.shapes.at(contact.shape_b));
-        let moves = |body: &BodyState| body.is_active() || body.is_moving_kinematic();
         if a.broken || b.broken {
             contact.manifolds.clear();
-        } else if moves(a) || moves(b) {
+        } else if a.is_stirring() || b.is_stirring() {
             mix_materials(contact, a, b, shape_a, shape_b);
             let options = &self.options;
             if aggressive_sleep::stays_frozen(contact, a, b, options) {
@@ -86,14 +85,27 @@ impl World {
             1e-3 * gap
         };
         let touching = contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= limit);
-        if touching == contact.touching {
-            return;
+        if touching != contact.touching {
+            self.set_touching(contact, touching);
         }
+    }
+
+    /// What bounced within the step touched, though a gap was there before and after it.
+    pub(crate) fn notice_impacts(&mut self) {
+        let mut contacts = std::mem::take(&mut self.contacts);
+        for contact in contacts.iter_mut().filter(|c| !c.touching && !c.sensor) {
+            if contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.impulse > 0.0) {
+                self.set_touching(contact, true);
+            }
+        }
+        self.contacts = contacts;
+    }
+
+    fn set_touching(&mut self, contact: &mut Contact, touching: bool) {
         contact.touching = touching;
         if !contact.sensor {
-            // A contact gained or lost thaws all pairs of the body.
             for index in [contact.body_a, contact.body_b] {
-                self.bodies.at_mut(index).rest_steps = 0;
+                self.bodies.at_mut(index).feel_change();
             }
         }
         let event = self.touch_event(contact.shape_a, contact.shape_b, contact.sensor, touching);

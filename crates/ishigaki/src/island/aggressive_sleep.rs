@@ -45,8 +45,7 @@ pub(crate) fn count_rest_steps(body: &mut BodyState, settings: &AggressiveSleep,
 
 fn at_rest(body: &BodyState, settings: &AggressiveSleep) -> bool {
     match body.kind {
-        BodyKind::Fixed => true,
-        BodyKind::Kinematic => !body.is_moving_kinematic(),
+        BodyKind::Fixed | BodyKind::Kinematic => !body.is_stirring(),
         BodyKind::Dynamic => body.asleep || body.rest_steps >= settings.steps,
     }
 }

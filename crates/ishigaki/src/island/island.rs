@@ -5,6 +5,7 @@
 
 use crate::body::{BodyState, NO_HEIGHT};
 use crate::collision::manifold::Contact;
+use crate::handle::Arena;
 use crate::solver::height;
 use crate::world::World;
 
@@ -24,17 +25,17 @@ impl World {
 
     fn unite(&mut self, parents: &mut [u32], dt: f32) {
         let contacts = std::mem::take(&mut self.contacts);
+        // What gravity may add to the motion of the step, m.
+        let fall = self.options.gravity.length() * dt * dt;
         for contact in contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
             let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
-            if !(contact.touching || closes(contact, a, b, dt)) {
+            if !(contact.touching || closes(contact, a, b, dt, fall)) {
                 continue;
             }
             if a.is_dynamic() && b.is_dynamic() {
                 union(parents, contact.body_a, contact.body_b);
-            } else if a.is_moving_kinematic() {
-                self.bodies.at_mut(contact.body_b).asleep = false;
-            } else if b.is_moving_kinematic() {
-                self.bodies.at_mut(contact.body_a).asleep = false;
+            } else {
+                let_ground_wake(&mut self.bodies, contact.body_a, contact.body_b);
             }
         }
         self.contacts = contacts;
@@ -43,10 +44,8 @@ impl World {
             let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
             if a.is_dynamic() && b.is_dynamic() {
                 union(parents, index_a, index_b);
-            } else if a.is_moving_kinematic() {
-                self.bodies.at_mut(index_b).asleep = false;
-            } else if b.is_moving_kinematic() {
-                self.bodies.at_mut(index_a).asleep = false;
+            } else {
+                let_ground_wake(&mut self.bodies, index_a, index_b);
             }
         }
     }
@@ -114,13 +113,32 @@ impl World {
     }
 }
 
-/// Whether the two will touch within the step.
-fn closes(contact: &Contact, a: &BodyState, b: &BodyState, dt: f32) -> bool {
+/// Ground that moves, or that its user changed, wakes what is connected with it.
+fn let_ground_wake(bodies: &mut Arena<BodyState>, a: u32, b: u32) {
+    for (ground, other) in [(a, b), (b, a)] {
+        let ground = bodies.at(ground);
+        if !ground.is_dynamic() && ground.is_stirring() {
+            let edited = ground.edited;
+            let other = bodies.at_mut(other);
+            if edited {
+                other.wake();
+            } else {
+                // Awake, but it may rest on what carries it along.
+                other.asleep = false;
+            }
+        }
+    }
+}
+
+/// Whether the two may touch within the step, in which they also fall by `fall` (m).
+fn closes(contact: &Contact, a: &BodyState, b: &BodyState, dt: f32, fall: f32) -> bool {
+    let (linear_a, angular_a) = a.velocities_in_step(dt);
+    let (linear_b, angular_b) = b.velocities_in_step(dt);
     contact.manifolds.iter().any(|m| {
         m.points.iter().any(|p| {
-            let velocity_a = a.velocity + a.angular_velocity.cross(p.arm_a);
-            let velocity_b = b.velocity + b.angular_velocity.cross(p.arm_b);
-            p.separation + dt * m.normal.dot(velocity_a - velocity_b) <= 0.0
+            let velocity_a = linear_a + angular_a.cross(p.arm_a);
+            let velocity_b = linear_b + angular_b.cross(p.arm_b);
+            p.separation + dt * m.normal.dot(velocity_a - velocity_b) <= fall
         })
     })
 }

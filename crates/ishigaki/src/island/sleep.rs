@@ -39,6 +39,15 @@ impl World {
                 }
             }
         }
+        for (_, joint) in self.joints.iter() {
+            let [a, b] = [joint.definition.body_a, joint.definition.body_b].map(|h| self.bodies.at(h.index));
+            // So does one that pulls by a joint.
+            for (body, other) in [(a, b), (b, a)] {
+                if body.is_active() && other.is_moving_kinematic() {
+                    self.scratch.restless_islands[body.island as usize] = true;
+                }
+            }
+        }
         for (_, body) in self.bodies.iter_mut() {
             if body.is_active() && !self.scratch.restless_islands[body.island as usize] {
                 body.put_to_sleep();

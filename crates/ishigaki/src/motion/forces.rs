@@ -44,7 +44,14 @@ pub fn damp_spin(spin: &mut Spin, factor: f32) {
 /// The velocity, no faster than `max_speed` (m/s); NaN stays NaN.
 pub fn limited(velocity: Vec3, max_speed: f32) -> Vec3 {
     let square = velocity.length_squared();
-    if square > max_speed * max_speed { velocity * (max_speed / square.sqrt()) } else { velocity }
+    if square == f32::INFINITY && velocity.is_finite() {
+        // The square overflowed: the direction from the velocity in units of its largest component.
+        (velocity / velocity.abs().max_element()).normalize() * max_speed
+    } else if square > max_speed * max_speed {
+        velocity * (max_speed / square.sqrt())
+    } else {
+        velocity
+    }
 }
 
 /// Scales L and ω together so that the body turns no faster than `max_angular_speed` (rad/s); NaN stays NaN.

@@ -46,7 +46,8 @@ pub fn reach(bound: &Bound, rows: &[Row]) -> f32 {
 fn solve_row(row: &mut Row, bodies: &mut [SolverBody]) {
     let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
     // Clamp the sum, not the increment: a later sweep may give impulse back.
-    let lambda = (row.lambda - w * row.effective_mass).clamp(row.lower, row.upper);
+    // Not `clamp`: it panics where a bound is NaN.
+    let lambda = (row.lambda - w * row.effective_mass).max(row.lower).min(row.upper);
     let delta_lambda = lambda - row.lambda;
     row.lambda = lambda;
     row.apply(bodies, delta_lambda);

@@ -16,10 +16,10 @@ pub fn residual(rows: &[Row], bodies: &[SolverBody]) -> f32 {
     };
     for (i, row) in rows.iter().enumerate() {
         let change = match row.coupling {
-            Coupling::None | Coupling::Block(_) => (row.lambda - wanted(row).clamp(row.lower, row.upper)).abs(),
+            Coupling::None | Coupling::Block(_) => (row.lambda - wanted(row).max(row.lower).min(row.upper)).abs(),
             Coupling::Interval(bound) => {
                 let reach = reach(&bound, rows);
-                (row.lambda - wanted(row).clamp(-reach, reach)).abs()
+                (row.lambda - wanted(row).max(-reach).min(reach)).abs()
             }
             Coupling::Disk(bound) => {
                 let (reach, other) = (reach(&bound, rows), &rows[i + 1]);
