@@ -115,8 +115,8 @@ impl World {
 
     /// m/s and rad/s.
     fn speed_limits(&self) -> (f32, f32) {
-        let motion = &self.options.motion;
-        (motion.max_speed * self.options.length_scale.sqrt(), motion.max_angular_speed)
+        let (motion, root) = (&self.options.motion, self.options.length_scale.sqrt());
+        (motion.max_speed * root, motion.max_angular_speed / root)
     }
 
     /// Exact poses of kinematic bodies, stops at walls, forces forgotten.
