@@ -27,6 +27,15 @@ pub(crate) fn is_swept(
     fast(a, shape_a) || fast(b, shape_b)
 }
 
+/// Inner radius of the thinner of two shapes, m; surfaces have none and do not count.
+pub(crate) fn thinness(a: &ShapeState, b: &ShapeState) -> f32 {
+    match (a.inner_radius, b.inner_radius) {
+        (a, 0.0) => a,
+        (0.0, b) => b,
+        (a, b) => a.min(b),
+    }
+}
+
 /// The part in [0, 1] of `motion` (of A relative to B, m) after which the two touch.
 pub(crate) fn time_of_impact(a: &Geometry, pose_a: &Pose, b: &Geometry, pose_b: &Pose, motion: Vec3) -> Option<f32> {
     let (shape_a, shape_b) = (a.to_parry()?, b.to_parry()?);

@@ -134,6 +134,9 @@ pub(crate) struct NarrowScratch {
     expected: usize,
 }
 
+/// The moment of impact is looked at this far into the touch, as a part of the thinner body's inner radius.
+const INTO: f32 = 0.05;
+
 #[expect(clippy::too_many_arguments, reason = "plain values of one pair; a struct would name them twice")]
 fn find_points(
     contact: &mut Contact,
@@ -167,8 +170,9 @@ fn find_points(
         && continuous::is_swept(a, b, shape_a, shape_b, motion, options)
         && let Some(part) = continuous::time_of_impact(geometry_a, &pose_a, geometry_b, &pose_b, motion)
     {
-        // The manifold of the moment of impact; its gap is what the motion until then takes away.
-        lead = motion * part;
+        // The manifold of the moment of impact; its gap is what the motion until then takes away. A little past it:
+        // at the touch itself rounding decides whether there is a contact.
+        lead = motion * part + motion.normalize_or_zero() * (INTO * continuous::thinness(shape_a, shape_b));
         pose_at_hit.translation += lead;
         let b_at_hit = pose_at_hit.inverse() * pose_b;
         let margin = options.contact.speculative_margin * options.length_scale;
