@@ -13,7 +13,7 @@ command -v cargo >/dev/null || fail "no cargo: install Rust with rustup first"
 
 # Models that the importer tests read.
 if [[ -f scripts/fetch-models.sh ]]; then
-  bash scripts/fetch-models.sh || fail "scripts/fetch-models.sh failed: without the models the importer tests cannot run"
+  bash scripts/fetch-models.sh --urdf || fail "scripts/fetch-models.sh failed: without the models the importer tests cannot run"
 fi
 
 # Miri, which finds undefined behavior, lives in the nightly toolchain and builds the standard library from source.

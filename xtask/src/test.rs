@@ -1,6 +1,6 @@
 //! `cargo xtask test`: every test there is, and at its end the list of what was skipped.
 //!
-//! A test that needs more than Rust skips itself by appending `kind: what; how to get it` to the file named
+//! A test that needs more than Rust skips itself by appending `SKIPPED kind: how to get it` to the file named
 //! by `ISHIGAKI_SKIP_LOG`, unless its kind is in `ISHIGAKI_REQUIRE`: then a skip is a failure.
 
 use crate::run::{cargo, execute, root, target_directory};
@@ -32,7 +32,7 @@ pub fn run() -> Result<(), String> {
             let miri = [&["miri", "test", "--package", "ishigaki", "--test", "miri_small"][..], &soft].concat();
             suite("miri", Some("nightly"), &miri, &[("MIRIFLAGS", "-Zmiri-strict-provenance")]);
         }
-        Some(why) => skip(&log, &format!("miri: {why}"))?,
+        Some(why) => skip(&log, &format!("SKIPPED miri: {why}"))?,
     }
 
     let text = fs::read_to_string(&log).map_err(|e| format!("{}: {e}", log.display()))?;
@@ -50,7 +50,7 @@ pub fn run() -> Result<(), String> {
 
 /// Whether the kind of a line of the skip log is in the comma list.
 fn is_required(line: &str, required: &str) -> bool {
-    let kind = line.split(':').next().unwrap_or(line).trim();
+    let kind = line.split(':').next().unwrap_or(line).trim_start_matches("SKIPPED ").trim();
     required.split(',').any(|r| r.trim() == kind)
 }
 
@@ -73,7 +73,7 @@ fn summarize(skipped: &[&str], failures: &[String]) -> Result<(), String> {
         println!("nothing was skipped");
     } else {
         println!("skipped:");
-        skipped.iter().for_each(|line| println!("  {line}"));
+        skipped.iter().for_each(|line| println!("  {}", line.trim_start_matches("SKIPPED ")));
     }
     if failures.is_empty() { Ok(()) } else { Err(format!("failed:\n  {}", failures.join("\n  "))) }
 }
@@ -84,7 +84,7 @@ mod tests {
 
     #[test]
     fn a_required_kind_is_matched_whole() {
-        assert!(is_required("models: not fetched; run x", "miri, models"));
+        assert!(is_required("SKIPPED models: run x", "miri, models"));
         assert!(!is_required("models: not fetched", "model"));
         assert!(!is_required("models: not fetched", ""));
     }
