@@ -60,7 +60,10 @@ pub fn resolve(
         let closes = separation + impact.h * w <= 0.0;
         if closes && -w > impact.threshold {
             is_impact = true;
-            row.bias = impact.restitution * w; // w' = −e w
+            // w' = −e w₀ with the velocity w₀ before the forces of this substep: symplectic Euler falls on
+            // ½v² + gy − ½ghv = const, and this v' keeps it. From w itself each bounce would gain gh|w|.
+            let before = w - row.forced_velocity(bodies);
+            row.bias = impact.restitution * before.min(0.0);
         } else {
             row.bias = separation.max(0.0) / impact.h; // the others must not close
         }

@@ -88,12 +88,15 @@ impl World {
             if !state.is_dynamic() {
                 continue;
             }
+            let before = (state.velocity, state.angular_velocity);
             let acceleration = gravity * state.gravity_scale;
             state.velocity = forces::accelerated(state.velocity, state.force, body.inverse_mass, acceleration, h);
             state.velocity *= forces::damping_factor(state.linear_damping, h);
             let mut spin = spin_of(state);
             forces::apply_angular_impulse(&mut spin, h * state.torque, unlocked(state.locked_rotation));
             forces::damp_spin(&mut spin, forces::damping_factor(state.angular_damping, h));
+            body.forced_velocity = state.velocity - before.0;
+            body.forced_spin = spin.angular_velocity - before.1;
             (state.angular_momentum, state.angular_velocity) = (spin.angular_momentum, spin.angular_velocity);
             body.velocity = state.velocity;
             body.angular_velocity = state.angular_velocity;
@@ -129,10 +132,13 @@ impl World {
             harden_joints(plan);
         }
         self.refresh_contact_biases(plan, h);
+        let restitution = self.options.solver.restitution.enabled;
         for m in &plan.manifolds {
             let first = (m.first + m.layout.first_normal()) as usize;
             for row in &mut plan.rows[first..first + m.layout.normals as usize] {
-                row.bias = row.relax_bias;
+                // What flies at a surface that it does not touch yet keeps its speed for the impact to come.
+                let flies = restitution && m.restitution > 0.0 && row.relax_bias > 0.0 && row.lambda == 0.0;
+                row.bias = if flies { f32::MAX } else { row.relax_bias };
             }
         }
         for sweep in 0..self.options.solver.relax_sweeps {

@@ -18,6 +18,10 @@ pub struct SolverBody {
     pub inverse_inertia: Mat3,
     /// I in world for the same pose, kg·m²: what turns a change of ω back into one of L.
     pub inertia: Mat3,
+    /// What forces added to the velocity in this substep, m/s; impacts look behind it.
+    pub forced_velocity: Vec3,
+    /// What torques added to the angular velocity in this substep, rad/s.
+    pub forced_spin: Vec3,
     /// How far the center moved in this step, m.
     pub translation: Vec3,
     /// How far the body turned in this step, Σ h ω, rad.
@@ -34,6 +38,8 @@ impl SolverBody {
         inverse_mass: Vec3::ZERO,
         inverse_inertia: Mat3::ZERO,
         inertia: Mat3::ZERO,
+        forced_velocity: Vec3::ZERO,
+        forced_spin: Vec3::ZERO,
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,
         height: 0,
@@ -118,6 +124,14 @@ impl Row {
         self.jacobian.linear.dot(a.velocity - b.velocity)
             + self.jacobian.angular_a.dot(a.angular_velocity)
             + self.jacobian.angular_b.dot(b.angular_velocity)
+    }
+
+    /// J hM⁻¹F: the part of J u that the forces of this substep made, m/s or rad/s.
+    pub fn forced_velocity(&self, bodies: &[SolverBody]) -> f32 {
+        let (a, b) = (&bodies[self.body_a as usize], &bodies[self.body_b as usize]);
+        self.jacobian.linear.dot(a.forced_velocity - b.forced_velocity)
+            + self.jacobian.angular_a.dot(a.forced_spin)
+            + self.jacobian.angular_b.dot(b.forced_spin)
     }
 
     /// u += M⁻¹Jᵀ Δλ.
