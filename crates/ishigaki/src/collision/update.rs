@@ -5,6 +5,7 @@ use crate::collision::continuous;
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
 use crate::collision::pairs::motion_in_step;
+use crate::constraint::contact::share_evenly;
 use crate::event::Event;
 use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
@@ -50,6 +51,7 @@ impl World {
                 self.report.ids_expected += scratch.expected;
                 aggressive_sleep::freeze_if_at_rest(contact, a, b, options);
             }
+            contact.manifolds.iter_mut().for_each(share_evenly);
         } else {
             return; // both asleep or fixed: nothing changed
         }

@@ -5,7 +5,7 @@
 //! Rows of a manifold: friction first, normals last, since what a sweep does last holds best:
 //! 2 tangents for each point, 1 torsion and 2 rolling rows where the material asks for them, then the normals.
 
-use crate::collision::manifold::Manifold;
+use crate::collision::manifold::{ContactPoint, Manifold};
 use crate::constraint::friction::{Bound, Coupling};
 use crate::constraint::row::Jacobian;
 use crate::math::{Vec3, tangents};
@@ -133,6 +133,37 @@ fn middle_arms(arm_a: Vec3, arm_b: Vec3, normal: Vec3, separation: f32) -> (Vec3
     let from_afar = separation > 0.1 * arm_a.length().min(arm_b.length());
     let half = if from_afar { Vec3::ZERO } else { 0.5 * separation * normal };
     (arm_a - half, arm_b + half)
+}
+
+/// Spreads the normal impulses of four points as evenly as the same wrench allows. TALK C6.
+///
+/// Four points carry a load and two tilts: one combination ν of impulses is nothing at all (Σν = 0, Σν r = 0), and
+/// whatever an impact leaves of it a warm start keeps for ever, so that a box might rest on two opposite corners.
+/// λ − ν (ν·λ)/(ν·ν) is the solution of least norm, to which Gauss–Seidel tends; no λ becomes negative.
+pub fn share_evenly(m: &mut Manifold) {
+    let bears = |p: &ContactPoint| p.separation <= 0.0 || p.lambda_normal > 0.0;
+    let [a, b, c, d] = m.points.as_slice() else { return };
+    if !m.points.iter().all(bears) {
+        return;
+    }
+    let area = |p: &ContactPoint, q: &ContactPoint, r: &ContactPoint| {
+        m.normal.dot((q.arm_b - p.arm_b).cross(r.arm_b - p.arm_b))
+    };
+    // The affine dependence of four points in a plane: each has the area of the triangle of the others.
+    let nothing = [area(b, c, d), -area(a, c, d), area(a, b, d), -area(a, b, c)];
+    let square: f32 = nothing.iter().map(|n| n * n).sum();
+    if square <= 0.0 {
+        return;
+    }
+    let mut t = m.points.iter().zip(nothing).map(|(p, n)| p.lambda_normal * n).sum::<f32>() / square;
+    for (p, n) in m.points.iter().zip(nothing) {
+        if t * n > p.lambda_normal {
+            t = p.lambda_normal / n;
+        }
+    }
+    for (p, n) in m.points.iter_mut().zip(nothing) {
+        p.lambda_normal = (p.lambda_normal - t * n).max(0.0);
+    }
 }
 
 /// Puts the solved impulses back into the manifold, for the next warm start.
