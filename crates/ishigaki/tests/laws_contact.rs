@@ -75,7 +75,7 @@ fn cradle(hang: impl Fn(BodyHandle, BodyHandle, Vec3) -> Joint, dt: f32) -> (f64
     let start = lift(&world, 0);
     // Until the last ball turns back.
     let (mut highest, mut others) = (0.0_f64, 0.0_f64);
-    while lift(&world, BALLS - 1) >= 0.5 * highest {
+    while highest < 0.1 * start || lift(&world, BALLS - 1) >= 0.5 * highest {
         world.step(dt);
         let out = lift(&world, BALLS - 1);
         if out > 1e-3 {
