@@ -1,10 +1,10 @@
 //! The talk's rotation in four steps. TALK A6.
 //!
-//! R' = R + Δt [ω]ₓR ; I' = R' I_body R'ᵀ ; L' = L + Δt τ (see `forces`) ; ω' = I'⁻¹ L'.
+//! R' = R + Δt `[ω]ₓ`R ; I' = R' I_body R'ᵀ ; L' = L + Δt τ (see `forces`) ; ω' = I'⁻¹ L'.
 //! Carrying L instead of ω keeps |L| by construction, and with it the energy in [L²/2I_max, L²/2I_min]:
 //! it cannot blow up. R is of first order, so the energy drifts inside that range.
 //!
-//! R + Δt [ω]ₓR is longer than a rotation by √(1 + Δt²ω²) across ω: it must be made orthonormal again, and how
+//! R + Δt `[ω]ₓ`R is longer than a rotation by √(1 + Δt²ω²) across ω: it must be made orthonormal again, and how
 //! decides which way the energy drifts. The engine takes the nearest rotation ([`Orthonormalization::Polar`]);
 //! with [`Orthonormalization::None`] R itself grows without bound. Matrices are world_from_local, Δt in s, ω in
 //! rad/s. Switched by `MotionOptions::rotation = RotationScheme::AngularMomentum`.
@@ -34,7 +34,7 @@ pub fn advance(spin: &mut Spin, h: f32) {
     spin.angular_velocity = spin.inverse_inertia_times(spin.angular_momentum);
 }
 
-/// R + Δt [ω]ₓR, as on the slide.
+/// R + Δt `[ω]ₓ`R, as on the slide.
 pub fn turned_matrix(r: Mat3, angular_velocity: Vec3, h: f32) -> Mat3 {
     r + h * (skew(angular_velocity) * r)
 }

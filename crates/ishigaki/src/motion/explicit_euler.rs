@@ -1,6 +1,6 @@
 //! Euler's equation integrated explicitly in ω: the talk's warning. TALK A5, A6.
 //!
-//! R' = R + Δt [ω]ₓR, its columns made orthonormal one after the other ; I' = R' I_body R'ᵀ ;
+//! R' = R + Δt `[ω]ₓ`R, its columns made orthonormal one after the other ; I' = R' I_body R'ᵀ ;
 //! ω' = ω + Δt I'⁻¹(τ − ω×I'ω). World frame, rad/s, N·m, s; τ is added by `forces`.
 //! ω is the state: L = I'ω' follows, is not kept, and each step adds energy. A body of (1, 2, 3) kg·m² at 10 rad/s
 //! has 1.2e6 times its energy after 10 s at 60 Hz. With an exact rotation in place of the slide's R it has 3.7

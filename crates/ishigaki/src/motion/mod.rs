@@ -86,7 +86,7 @@ pub fn advance(scheme: RotationScheme, spin: &mut Spin, locked: bool, h: f32) {
     }
 }
 
-/// exp(h [ω]ₓ) R: the rotation after `h` seconds of constant ω (world, rad/s).
+/// exp(h `[ω]ₓ`) R: the rotation after `h` seconds of constant ω (world, rad/s).
 pub fn turned(rotation: Quat, angular_velocity: Vec3, h: f32) -> Quat {
     let half = angular_velocity * (0.5 * h);
     let square = half.length_squared();
