@@ -103,8 +103,9 @@ impl BodyMut<'_> {
     pub fn apply_force_at(&mut self, force: Vec3, point: Vec3) -> Result<()> {
         finite_vector("force", force)?;
         finite_vector("point", point)?;
+        let torque = finite_vector("torque", (point - self.body.center).cross(force))?;
         self.body.force += force;
-        self.body.torque += (point - self.body.center).cross(force);
+        self.body.torque += torque;
         Ok(())
     }
 
@@ -134,8 +135,9 @@ impl BodyMut<'_> {
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3) -> Result<()> {
         finite_vector("impulse", impulse)?;
         finite_vector("point", point)?;
+        let angular = finite_vector("angular_impulse", (point - self.body.center).cross(impulse))?;
         self.apply_impulse(impulse)?;
-        self.apply_angular_impulse((point - self.body.center).cross(impulse))
+        self.apply_angular_impulse(angular)
     }
 
     /// An angular impulse, now, N·m·s.
