@@ -553,6 +553,7 @@ impl BodyState {
             rotation: self.rotation,
             velocity: self.velocity,
             angular_velocity: self.angular_velocity,
+            gyration: self.inverse_inertia_world() * self.angular_momentum.cross(self.angular_velocity),
         }
     }
 

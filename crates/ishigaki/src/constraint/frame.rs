@@ -15,12 +15,14 @@ pub struct BodyFrame {
     pub velocity: Vec3,
     /// rad/s.
     pub angular_velocity: Vec3,
+    /// Angular acceleration of free turning, −I⁻¹(ω×L), rad/s². TALK A5.
+    pub gyration: Vec3,
 }
 
 impl BodyFrame {
     /// A body that does not move.
     pub fn at_rest(center: Vec3, rotation: Quat) -> Self {
-        Self { center, rotation, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO }
+        Self { center, rotation, velocity: Vec3::ZERO, angular_velocity: Vec3::ZERO, gyration: Vec3::ZERO }
     }
 }
 

@@ -6,6 +6,7 @@
 
 use crate::body::{BodyState, unlocked};
 use crate::constraint::contact;
+use crate::constraint::frame::JointStep;
 use crate::constraint::joint_rows::reaction;
 use crate::math::Vec3;
 use crate::motion::{self, Spin, forces};
@@ -80,6 +81,28 @@ impl World {
         }
     }
 
+    /// Jacobians of hard joint rows at the poses after the motion. Velocities must end along what the joint allows
+    /// *there*: along the directions before the motion, the next substep would take the difference out as a loss.
+    /// Soft rows stay: their bias is an implicit equation about the whole substep.
+    fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
+        let step = JointStep { h, recovery_rate: 0.0 };
+        for rows in &plan.joints {
+            let joint = self.joints.at_mut(rows.joint);
+            let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
+            let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
+            plan.specs.clear();
+            joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
+            let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
+            for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
+                if spec.softness == 0.0 {
+                    row.jacobian = spec.jacobian;
+                    row.bias = spec.relax_bias;
+                    row.refresh_mass(&plan.bodies);
+                }
+            }
+        }
+    }
+
     /// v += h(F/m + g), L += hτ, damping; then ω and I⁻¹ of the solver from the pose as it is.
     fn apply_forces(&mut self, plan: &mut Plan, h: f32) {
         let gravity = self.options.gravity;
@@ -128,7 +151,8 @@ impl World {
         for row in &mut plan.rows {
             row.bias = row.relax_bias;
         }
-        if self.options.solver.joint_recovery.softness > 0.0 {
+        if !plan.joints.is_empty() {
+            self.turn_joint_rows(plan, h);
             harden_joints(plan);
         }
         self.refresh_contact_biases(plan, h);

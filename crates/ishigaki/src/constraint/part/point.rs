@@ -12,7 +12,7 @@
 //!
 //! Test: `joint_rows::jacobians_are_derivatives`, `joint_rows::rows_conserve_momentum`.
 
-use crate::constraint::frame::{FramePair, JointStep};
+use crate::constraint::frame::{BodyFrame, FramePair, JointStep};
 use crate::constraint::part::limit_motor::Coordinate;
 use crate::constraint::row::{Jacobian, RowSpec};
 use crate::math::Vec3;
@@ -23,6 +23,8 @@ pub struct Point {
     arm_a: Vec3,
     arm_b: Vec3,
     gap: Vec3,
+    /// What the turning of the arms adds to the acceleration of the gap, m/s².
+    turning: Vec3,
 }
 
 impl Point {
@@ -31,7 +33,8 @@ impl Point {
 
     /// At this moment.
     pub fn new(pair: &FramePair) -> Self {
-        Self { arm_a: pair.arm_a, arm_b: pair.arm_b, gap: -pair.offset }
+        let turning = turning(&pair.a, pair.arm_a) - turning(&pair.b, pair.arm_b);
+        Self { arm_a: pair.arm_a, arm_b: pair.arm_b, gap: -pair.offset, turning }
     }
 
     /// Distance of the anchors, m.
@@ -43,9 +46,16 @@ impl Point {
     pub fn rows(&self, step: &JointStep, out: &mut Vec<RowSpec>) {
         for axis in Vec3::AXES {
             let jacobian = Jacobian::point(axis, self.arm_a, self.arm_b);
-            out.push(RowSpec::equality(jacobian, step.recovery(self.gap.dot(axis))));
+            // Bodies move along straight lines in a substep and arms along arcs: C(h) = C + hJu + ½h²·turning.
+            let arc = 0.5 * step.h * self.turning.dot(axis);
+            out.push(RowSpec::equality(jacobian, step.recovery(self.gap.dot(axis)) + arc));
         }
     }
+}
+
+/// Acceleration of the end of an arm by the free turning of its body: ω×(ω×r) + ω̇×r, m/s².
+fn turning(body: &BodyFrame, arm: Vec3) -> Vec3 {
+    body.angular_velocity.cross(body.angular_velocity.cross(arm)) + body.gyration.cross(arm)
 }
 
 /// The displacement of B's anchor from A's along a world `axis` that turns with A; B relative to A, m.
