@@ -135,7 +135,7 @@ pub struct SolverOptions {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            substeps: 4,
+            substeps: 8,
             sweeps: 2,
             relax_sweeps: 1,
             penetration_recovery: PenetrationRecovery::default(),
@@ -165,10 +165,11 @@ impl SolverOptions {
         options
     }
 
-    /// All that the talk recommends: recovery with slop, random order in every sweep, warm start and WA 1.4.
+    /// All that the talk recommends: recovery with slop, random order in every sweep, warm start and WA 1.4. Ten sweeps in
+    /// each of four substeps: in three dimensions, with four points to a face, ten in one do not hold a tower of 40.
     pub fn talk() -> Self {
         Self {
-            substeps: 1,
+            substeps: 4,
             sweeps: 10,
             relax_sweeps: 0,
             permutation: Permutation::PerSweep,

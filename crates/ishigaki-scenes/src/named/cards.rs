@@ -5,17 +5,17 @@ use crate::file::SceneFile;
 use ishigaki::math::{asin, cos};
 use ishigaki::{Body, Quat, Shape, Vec3};
 
-/// Cards are ten times as large as playing cards: 0.88 × 0.63 m, 0.02 m thick, 800 kg/m³ = 8.87 kg, friction 0.7;
-/// the length scale is 0.25 m, so that the slop is 1/16 of a card's thickness. Cards overlap by the slop where they
+/// Cards are ten times as large as playing cards: 0.88 × 0.63 m, 0.03 m thick, 800 kg/m³ = 13.3 kg, friction 0.7;
+/// the length scale is 0.25 m, so that the slop is 1/24 of a card's thickness. Cards overlap by the slop where they
 /// touch: a house that sinks by the slop at each floor would not stand, by its thin cards' measure.
 ///
 /// A floor is a row of leaning pairs, 0.89 m from pair to pair, and level cards from ridge to ridge, which carry the
-/// next floor, one pair fewer. Cards lean by 28.3° (sin = 0.474), so that the feet of a pair stand just inside the
-/// ridges below: a leaning card thrusts by at most tan 28.3° = 0.54 of its load, below the friction. `floors` floors
-/// have floors (3 floors + 1)/2 cards.
+/// next floor, one pair fewer. Cards lean by 20° (sin = 0.342), so that the feet of a pair stand on the level card
+/// below it: a leaning card thrusts by at most tan 20° = 0.36 of its load, below the friction. `floors` floors have
+/// floors (3 floors + 1)/2 cards.
 pub fn card_house(floors: usize) -> SceneFile {
     const LENGTH: f32 = 0.88;
-    const THICK: f32 = 0.02;
+    const THICK: f32 = 0.03;
     const SPACING: f32 = 0.89;
     const LENGTH_SCALE: f32 = 0.25;
     let size = floors as f32;
@@ -25,7 +25,7 @@ pub fn card_house(floors: usize) -> SceneFile {
     scene.file.bodies[0].shapes[0].friction = 0.7;
     let card = Body::dynamic(Shape::cuboid(0.5 * THICK, 0.5 * LENGTH, 0.315).density(800.0).friction(0.7));
     let level = Body::dynamic(Shape::cuboid(0.5 * LENGTH, 0.5 * THICK, 0.315).density(800.0).friction(0.7));
-    let sine = 0.474;
+    let sine = 0.342;
     let lean = asin(sine);
     let (sine_half, cosine) = (ishigaki::math::sin(0.5 * lean), cos(lean));
     // Half the height and width of a leaning card's bounds.

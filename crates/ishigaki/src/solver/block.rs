@@ -2,7 +2,9 @@
 //!
 //! The rows of one joint share two bodies and are strongly coupled: for a light bob on a long arm the condition
 //! of J M⁻¹Jᵀ is (1 + m r²/I) ≈ 1000, and Gauss–Seidel over its three rows would crawl. A block is a run of up to
-//! six rows without bounds; K = J M⁻¹Jᵀ + γ is factored once a substep as LDLᵀ, and Δλ = −K⁻¹ w. A row whose pivot
+//! six hard rows without bounds; K = J M⁻¹Jᵀ is factored once a substep as LDLᵀ, and Δλ = −K⁻¹ w. While errors are
+//! recovered the block is softened by γ = κ K, which comes to Δλ = −(K⁻¹w + κλ)/(1 + κ): the same in all directions,
+//! however differently K resists them. A row whose pivot
 //! vanishes (both bodies are locked along it, or two rows ask for the same) is left out.
 //! Proved by `tests/smoke.rs` (a pendulum keeps its length) and the unit tests here.
 
@@ -23,20 +25,22 @@ pub struct Block {
     pub count: u32,
     /// Unit lower triangle L, below the diagonal.
     lower: [[f32; MAX_BLOCK]; MAX_BLOCK],
+    /// κ while errors are recovered, 0 in relax sweeps.
+    pub softness: f32,
     /// 1/D; 0 for rows left out.
     inverse_pivots: [f32; MAX_BLOCK],
 }
 
-/// Gathers runs of unbounded rows among `rows[first..]` into blocks and marks them.
+/// Gathers runs of hard unbounded rows among `rows[first..]` into blocks and marks them.
 pub fn gather(first: usize, rows: &mut [Row], blocks: &mut Vec<Block>) {
-    let unbounded = |row: &Row| row.lower == f32::NEG_INFINITY && row.upper == f32::INFINITY;
     let mut start = first;
     while start < rows.len() {
-        let run = rows[start..].iter().take(MAX_BLOCK).take_while(|r| unbounded(r)).count();
+        let run = rows[start..].iter().take(MAX_BLOCK).take_while(|r| r.is_hard_equality()).count();
         if run > 1 {
             let block = Block {
                 first: start as u32,
                 count: run as u32,
+                softness: rows[start].recovery_softness,
                 lower: [[0.0; MAX_BLOCK]; MAX_BLOCK],
                 inverse_pivots: [0.0; MAX_BLOCK],
             };
@@ -58,9 +62,6 @@ impl Block {
         for i in 0..rows.len() {
             for j in 0..=i {
                 let mut sum = inner(&rows[i].jacobian, &rows[j].response);
-                if i == j {
-                    sum += rows[i].gamma;
-                }
                 let diagonal = sum;
                 for (k, pivot) in pivots.iter().enumerate().take(j) {
                     sum -= self.lower[i][k] * pivot * self.lower[j][k];
@@ -76,13 +77,13 @@ impl Block {
         }
     }
 
-    /// λ −= K⁻¹ (J u + γλ + bias), u += M⁻¹Jᵀ Δλ.
+    /// Δλ = −(K⁻¹ (J u + bias) + κλ)/(1 + κ), u += M⁻¹Jᵀ Δλ.
     pub fn solve(&self, rows: &mut [Row], bodies: &mut [SolverBody]) {
         let rows = &mut rows[self.first as usize..][..self.count as usize];
         let mut x = [0.0_f32; MAX_BLOCK];
         for i in 0..rows.len() {
             let row = &rows[i];
-            let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
+            let w = row.velocity(bodies) + row.bias;
             x[i] = w - (0..i).map(|k| self.lower[i][k] * x[k]).sum::<f32>();
         }
         for i in (0..rows.len()).rev() {
@@ -92,9 +93,11 @@ impl Block {
                 x[i] = 0.0;
             }
         }
-        for (row, delta) in rows.iter_mut().zip(x) {
-            row.lambda -= delta;
-            row.apply(bodies, -delta);
+        let share = 1.0 / (1.0 + self.softness);
+        for (row, x) in rows.iter_mut().zip(x) {
+            let delta_lambda = -share * (x + self.softness * row.lambda);
+            row.lambda += delta_lambda;
+            row.apply(bodies, delta_lambda);
         }
     }
 }

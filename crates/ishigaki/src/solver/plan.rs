@@ -117,8 +117,9 @@ impl World {
             let first = plan.rows.len() as u32;
             plan.joints.push(JointRows { joint: slot, first, count: plan.specs.len() as u32 });
             for (spec, &lambda) in plan.specs.iter().zip(&joint.lambdas) {
-                let recovery_softness = if is_hard(spec) { softness } else { 0.0 };
-                plan.rows.push(Row { recovery_softness, ..Row::of_joint(spec, body_a, body_b, lambda * scale) });
+                let mut row = Row::of_joint(spec, body_a, body_b, lambda * scale);
+                row.recovery_softness = if row.is_hard_equality() { softness } else { 0.0 };
+                plan.rows.push(row);
             }
             block::gather(first as usize, &mut plan.rows, &mut plan.blocks);
         }
@@ -193,11 +194,6 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
         let wa = &options.weight_amplification;
         scale_contacts(plan, |a, b| weight_amplification::scale(wa, a, b));
     }
-}
-
-/// An equality without a spring of its own.
-fn is_hard(spec: &RowSpec) -> bool {
-    spec.softness == 0.0 && spec.lower == f32::NEG_INFINITY && spec.upper == f32::INFINITY
 }
 
 /// Sets the mass scale of every contact row from the heights of its two bodies.

@@ -4,11 +4,12 @@
 //! Zero exactly at a solution of the box LCP. Scaling w with the row's effective mass gives all rows one unit.
 
 use crate::constraint::friction::Coupling;
+use crate::solver::block::Block;
 use crate::solver::reference::reach;
-use crate::solver::table::{Row, SolverBody};
+use crate::solver::table::{Row, SolverBody, inner};
 
 /// The residual for the velocities and biases as they are, N·s.
-pub fn residual(rows: &[Row], bodies: &[SolverBody]) -> f32 {
+pub fn residual(rows: &[Row], blocks: &[Block], bodies: &[SolverBody]) -> f32 {
     let mut greatest = 0.0_f32;
     let wanted = |row: &Row| {
         let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
@@ -16,7 +17,7 @@ pub fn residual(rows: &[Row], bodies: &[SolverBody]) -> f32 {
     };
     for (i, row) in rows.iter().enumerate() {
         let change = match row.coupling {
-            Coupling::None | Coupling::Block(_) => (row.lambda - wanted(row).max(row.lower).min(row.upper)).abs(),
+            Coupling::None => (row.lambda - wanted(row).max(row.lower).min(row.upper)).abs(),
             Coupling::Interval(bound) => {
                 let reach = reach(&bound, rows);
                 (row.lambda - wanted(row).max(-reach).min(reach)).abs()
@@ -29,11 +30,24 @@ pub fn residual(rows: &[Row], bodies: &[SolverBody]) -> f32 {
                 let (dx, dy) = (row.lambda - shrink * x, other.lambda - shrink * y);
                 (dx * dx + dy * dy).sqrt()
             }
-            // Rows of a block have no bounds; the second of a disk was counted with the first.
-            Coupling::Partner if row.lower == f32::NEG_INFINITY => (row.lambda - wanted(row)).abs(),
+            Coupling::Block(index) => block_residual(&blocks[index as usize], rows, bodies),
+            // Counted with the first row of its disk or block.
             Coupling::Partner => 0.0,
         };
         greatest = greatest.max(change);
+    }
+    greatest
+}
+
+/// Rows of a block have no bounds: the greatest |w| / (J M⁻¹Jᵀ), with the softness κKλ of recovery in w.
+fn block_residual(block: &Block, rows: &[Row], bodies: &[SolverBody]) -> f32 {
+    let rows = &rows[block.first as usize..][..block.count as usize];
+    let mut greatest = 0.0_f32;
+    for row in rows {
+        let compliance: f32 = rows.iter().map(|other| inner(&row.jacobian, &other.response) * other.lambda).sum();
+        let w = row.velocity(bodies) + row.bias + block.softness * compliance;
+        let k = inner(&row.jacobian, &row.response);
+        greatest = greatest.max(if k > 0.0 { (w / k).abs() } else { 0.0 });
     }
     greatest
 }

@@ -239,7 +239,7 @@ impl World {
             self.sweeps(plan);
         }
         if self.options.report.residual {
-            self.report.residual = residual::residual(&plan.rows, &plan.bodies);
+            self.report.residual = residual::residual(&plan.rows, &plan.blocks, &plan.bodies);
         }
     }
 
@@ -247,7 +247,7 @@ impl World {
         for sweep in 0..self.options.solver.sweeps {
             self.one_sweep(plan, sweep);
             if self.options.report.residual_by_sweep {
-                self.report.residual_by_sweep.push(residual::residual(&plan.rows, &plan.bodies));
+                self.report.residual_by_sweep.push(residual::residual(&plan.rows, &plan.blocks, &plan.bodies));
             }
         }
     }
@@ -396,6 +396,7 @@ fn refresh_masses(plan: &mut Plan) {
     }
     couple_disks(&mut plan.rows);
     for block in &mut plan.blocks {
+        block.softness = plan.rows[block.first as usize].recovery_softness;
         block.factor(&plan.rows);
     }
 }
@@ -407,7 +408,7 @@ fn harden_joints(plan: &mut Plan) {
         row.harden();
     }
     for block in &mut plan.blocks {
-        block.factor(&plan.rows);
+        block.softness = 0.0;
     }
 }
 

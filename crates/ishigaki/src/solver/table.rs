@@ -117,6 +117,11 @@ pub struct Row {
 }
 
 impl Row {
+    /// An equality without a spring of its own.
+    pub fn is_hard_equality(&self) -> bool {
+        self.softness == 0.0 && self.lower == f32::NEG_INFINITY && self.upper == f32::INFINITY
+    }
+
     /// J u, m/s or rad/s.
     #[inline]
     pub fn velocity(&self, bodies: &[SolverBody]) -> f32 {
