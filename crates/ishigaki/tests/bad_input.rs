@@ -214,7 +214,8 @@ fn bad_edits_are_refused() {
 
 #[test]
 fn bad_options_are_refused_and_the_old_ones_stay() {
-    let cases: [(fn(&mut WorldOptions), &str); 12] = [
+    type Edit = fn(&mut WorldOptions);
+    let cases: [(Edit, &str); 12] = [
         (|o| o.gravity.y = NAN, "gravity: must be finite, is (0, NaN, 0)"),
         (|o| o.length_scale = 0.0, "length_scale: must be finite and > 0, is 0"),
         (|o| o.motion.max_speed = INF, "motion.max_speed: must be finite and > 0, is inf"),
