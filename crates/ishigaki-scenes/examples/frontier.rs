@@ -9,7 +9,8 @@ use std::time::Instant;
 const CONFIGURATIONS: [(u32, u32, u32); 7] =
     [(4, 2, 1), (4, 4, 1), (6, 2, 1), (8, 1, 1), (8, 2, 1), (8, 4, 1), (12, 2, 1)];
 /// Scene, parameters, seconds.
-const SCENES: [(&str, &[(&str, f64)], f64); 8] = [
+type Trial = (&'static str, &'static [(&'static str, f64)], f64);
+const SCENES: [Trial; 8] = [
     ("tower", &[("n", 20.0)], 60.0),
     ("wall", &[], 20.0),
     ("arch", &[], 20.0),
