@@ -101,6 +101,17 @@ fn cradle_passes_the_blow_on() {
     }
 }
 
+/// A known defect: impacts do not see joints. On rigid arms a ball that is hit must turn as it flies off; the joint makes
+/// it turn after the impact, at the cost of 1/(1 + 5L²/2r²) = 0.4 % of the speed at each of four blows, twice that of the
+/// height. Steps so long that all blows fall into one substep lose it only once.
+#[test]
+fn cradle_on_rigid_arms_loses_height() {
+    let (out, rest) = cradle(Joint::ball, STEPS[2]);
+    assert!(out < 0.985, "{out} of the height: impacts see joints now, make this a law");
+    assert!(out > 0.96, "the last ball rises to {out} of the height");
+    assert!(rest < 1e-4, "the others rise to {rest} of the height");
+}
+
 /// Normal impulse on a body over the last step, N·s, along `up`.
 fn impulse_on(world: &World, handle: BodyHandle, up: Vec3) -> f64 {
     let mut sum = 0.0;

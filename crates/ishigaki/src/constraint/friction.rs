@@ -3,7 +3,7 @@
 //! |λ_t| ≤ μ λ_n with λ_n re-read in every sweep. `Disk` bounds the vector of the two tangential impulses
 //! (Coulomb's cone), `Box` each of them alone (the talk's; up to √2 too strong along the diagonal, and it
 //! bends sliding, because the axis that slides and the axis that sticks are told apart by fixed tangents).
-//! Without friction nothing stacked stays. Option: `solver.friction`; shown by `tests/friction.rs`.
+//! Without friction nothing stacked stays. Option: `solver.friction`; proved by `tests/laws_friction.rs`.
 
 /// The impulses that bound a friction impulse: `coefficient · Σ λ` over a run of rows.
 #[derive(Clone, Copy, Debug, PartialEq)]

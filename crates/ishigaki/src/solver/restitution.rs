@@ -1,11 +1,11 @@
 //! Restitution: an impact phase before the contact solve (Guendelman, Bridson, Fedkiw 2003).
 //!
 //! A contact that closes within the substep (s + h w ≤ 0) faster than the threshold is an impact: its manifold
-//! is solved alone for w' = −e w, friction included, and the next contact sees the new velocities. Passes repeat
+//! is solved alone for w' = −e w₀, friction included, and the next contact sees the new velocities. Passes repeat
 //! until nothing closes any more, so an impact runs through a row of balls one by one: one in, one out. Solving
 //! all of them at once would let every ball of a cradle move. e is mixed from the materials; slower impacts
 //! do not bounce, or resting bodies would chatter. Masses are as they are: no amplification.
-//! Option: `solver.restitution`; shown by `tests/laws_contact.rs` and `tests/cradle.rs`.
+//! Option: `solver.restitution`; proved by `tests/laws_contact.rs`: e²ⁿH, ten bounces at e = 1, the cradle.
 
 use crate::collision::manifold::Manifold;
 use crate::constraint::contact::{self, Layout, Surface};
