@@ -1,7 +1,7 @@
 //! Laws of stones without mortar: the harmonic overhang and the semicircular arch stand just inside the limit of
 //! statics and fall just outside.
 //!
-//! 50 sweeps a substep instead of 2: so near to the limit the load must be right to a part in fifty, and a few sweeps
+//! Four substeps of 50 sweeps: so near to the limit the load must be right to a part in fifty, and a few sweeps
 //! leave a chain of ten contacts too far from it while it settles. All else is as it is by default.
 
 use ishigaki_scenes::{Scene, named};
@@ -11,6 +11,7 @@ fn scene(name: &str, parameters: &[(&str, f64)]) -> Scene {
     let parameters: Vec<_> = parameters.iter().map(|&(name, value)| (name.to_string(), value)).collect();
     let mut file = named(name, &parameters).unwrap();
     file.options.rest.sleep.enabled = false;
+    file.options.solver.substeps = 4;
     file.options.solver.sweeps = 50;
     file.options.solver.relax_sweeps = 5;
     file.build().unwrap()
