@@ -74,7 +74,8 @@ fn allocations(world: &mut World) -> usize {
 
 #[test]
 fn a_settled_step_allocates_nothing() {
-    let cases: [(&str, fn(&mut WorldOptions)); 7] = [
+    type Case = (&'static str, fn(&mut WorldOptions));
+    let cases: [Case; 7] = [
         ("default", |_| ()),
         ("aggressive sleep off", |o| o.rest.aggressive_sleep.enabled = false),
         ("sleep on", |o| o.rest.sleep.enabled = true),

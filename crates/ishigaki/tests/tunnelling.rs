@@ -41,7 +41,7 @@ impl Shot {
         let restitution = if i.is_multiple_of(4) { 0.8 } else { 0.0 };
         let aim = Vec3::new(random.within(-reach, reach), random.within(-reach, reach), 0.0);
         let slant = random.within(0.0, 1.7);
-        let around = random.within(0.0, 6.28);
+        let around = random.within(0.0, std::f32::consts::TAU);
         let (sin, cos) = f64::from(around).sin_cos();
         let direction = Vec3::new(slant * cos as f32, slant * sin as f32, -1.0).normalize();
         // The step in which it hits, and where in that step, are left to chance.
