@@ -120,6 +120,8 @@ pub struct SolverOptions {
     pub permutation: Permutation,
     /// Start from the last step's impulses. TALK D4.
     pub warm_start: WarmStart,
+    /// The points of a manifold are solved together.
+    pub manifold_block: ManifoldBlock,
     /// Distance of a body from the ground in hops. TALK D5.
     pub height: Height,
     /// Forces travel upward only. TALK D6, D7.
@@ -143,6 +145,7 @@ impl Default for SolverOptions {
             slop: Slop::default(),
             permutation: Permutation::Alternating,
             warm_start: WarmStart::default(),
+            manifold_block: ManifoldBlock::default(),
             height: Height::default(),
             shock_propagation: ShockPropagation::default(),
             weight_amplification: WeightAmplification::default(),
@@ -265,6 +268,23 @@ pub struct WarmStart {
 impl Default for WarmStart {
     fn default() -> Self {
         Self { enabled: true, factor: 1.0 }
+    }
+}
+
+/// The rows of a manifold are visited as one unit: normals several times, then friction. Off: row by row, as in the talk.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct ManifoldBlock {
+    /// On or off.
+    pub enabled: bool,
+    /// Passes over the normals in each visit.
+    pub passes: u32,
+}
+
+impl Default for ManifoldBlock {
+    fn default() -> Self {
+        Self { enabled: false, passes: 4 }
     }
 }
 
@@ -470,6 +490,7 @@ impl SolverOptions {
         not_negative("joint_recovery.softness", self.joint_recovery.softness)?;
         not_negative("slop.depth", self.slop.depth)?;
         fraction("warm_start.factor", self.warm_start.factor)?;
+        count("manifold_block.passes", self.manifold_block.passes, 1, 1000)?;
         fraction("shock_propagation.blend", self.shock_propagation.blend)?;
         not_negative("restitution.threshold", self.restitution.threshold)?;
         let factor = self.weight_amplification.factor;

@@ -2,6 +2,7 @@
 
 pub mod block;
 pub mod height;
+pub mod manifold_block;
 pub mod penetration_recovery;
 pub mod permutation;
 pub mod plan;

@@ -29,7 +29,7 @@ impl Random {
 }
 
 /// Puts the units into the order of the next sweep.
-pub fn before_sweep(permutation: Permutation, sweep: u32, random: &mut Random, units: &mut [u32]) {
+pub fn before_sweep<T>(permutation: Permutation, sweep: u32, random: &mut Random, units: &mut [T]) {
     match permutation {
         Permutation::None => {}
         Permutation::PerStep if sweep > 0 => {}
@@ -40,7 +40,7 @@ pub fn before_sweep(permutation: Permutation, sweep: u32, random: &mut Random, u
 }
 
 /// Fisher–Yates.
-fn shuffle(random: &mut Random, units: &mut [u32]) {
+fn shuffle<T>(random: &mut Random, units: &mut [T]) {
     for i in (1..units.len()).rev() {
         units.swap(i, random.below(i as u32 + 1) as usize);
     }

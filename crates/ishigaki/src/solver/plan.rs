@@ -10,6 +10,7 @@ use crate::constraint::row::RowSpec;
 use crate::math::Mat3;
 use crate::options::SolverOptions;
 use crate::solver::block::{self, Block};
+use crate::solver::manifold_block::{self, Unit};
 use crate::solver::table::{MassScale, Row, SolverBody};
 use crate::solver::{shock_propagation, weight_amplification};
 use crate::world::World;
@@ -25,8 +26,8 @@ pub struct Plan {
     pub index_of: Vec<u32>,
     /// The table.
     pub rows: Vec<Row>,
-    /// First rows of the units in the order of visiting.
-    pub units: Vec<u32>,
+    /// What a sweep visits as one, in the order of visiting.
+    pub units: Vec<Unit>,
     /// Equality rows of joints that are solved together.
     pub blocks: Vec<Block>,
     /// Where the rows of each manifold are.
@@ -180,10 +181,16 @@ impl World {
 /// Stage `plan_sweep`: the scale of the masses and the first order of the units.
 pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     plan.units.clear();
-    for (i, row) in plan.rows.iter().enumerate() {
+    let blocks = manifold_block::passes(&options.manifold_block).is_some();
+    let first_contact = plan.manifolds.first().map_or(plan.rows.len(), |m| m.first as usize);
+    let single = if blocks { first_contact } else { plan.rows.len() };
+    for (i, row) in plan.rows[..single].iter().enumerate() {
         if row.coupling != Coupling::Partner {
-            plan.units.push(i as u32);
+            plan.units.push(Unit::row(i as u32));
         }
+    }
+    if blocks {
+        plan.units.extend(plan.manifolds.iter().filter(|m| m.layout.total() > 0).map(Unit::manifold));
     }
     let shock = &options.shock_propagation;
     let pure_shock = shock.enabled && shock.blend >= 1.0;

@@ -7,16 +7,17 @@
 
 use crate::constraint::friction::{Bound, Coupling};
 use crate::solver::block::Block;
+use crate::solver::manifold_block::{self, Unit};
 use crate::solver::table::{Row, SolverBody};
 
-/// One sweep over the units in the given order; each unit is the index of its first row.
-pub fn sweep(units: &[u32], rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
+/// One sweep over the units in the given order; `passes` for the normals of units that are manifolds.
+pub fn sweep(units: &[Unit], passes: u32, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
     for &unit in units {
-        solve_unit(unit as usize, rows, blocks, bodies);
+        manifold_block::solve(unit, passes, rows, blocks, bodies);
     }
 }
 
-/// Solves one unit for the velocities as they are.
+/// Solves a row, with its partners, for the velocities as they are.
 #[inline]
 pub fn solve_unit(unit: usize, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
     match rows[unit].coupling {

@@ -7,6 +7,7 @@
 //! Options: `solver.shock_propagation.{enabled, blend}`; shown by `tests/techniques.rs`.
 
 use crate::body::NO_HEIGHT;
+use crate::solver::manifold_block::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
 use crate::solver::weight_amplification::{Lower, lower};
 
@@ -20,9 +21,9 @@ pub fn scale(height_a: u32, height_b: u32) -> MassScale {
 }
 
 /// From the ground up: units sorted by the lower height of their two bodies, otherwise as they were.
-pub fn sort_upward(units: &mut [u32], rows: &[Row], bodies: &[SolverBody]) {
-    units.sort_by_key(|&unit| {
-        let row = &rows[unit as usize];
+pub fn sort_upward(units: &mut [Unit], rows: &[Row], bodies: &[SolverBody]) {
+    units.sort_by_key(|unit| {
+        let row = &rows[unit.first as usize];
         let (a, b) = (bodies[row.body_a as usize].height, bodies[row.body_b as usize].height);
         // A body in the air comes last, whatever it touches.
         if a == NO_HEIGHT || b == NO_HEIGHT { NO_HEIGHT } else { a.min(b) }

@@ -261,7 +261,12 @@ impl World {
             // From the ground up, whatever the permutation did within a level.
             shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
         }
-        reference::sweep(&plan.units, &mut plan.rows, &plan.blocks, &mut plan.bodies);
+        self.sweep_units(plan);
+    }
+
+    fn sweep_units(&mut self, plan: &mut Plan) {
+        let passes = self.options.solver.manifold_block.passes;
+        reference::sweep(&plan.units, passes, &mut plan.rows, &plan.blocks, &mut plan.bodies);
         self.report.sweeps += 1;
     }
 
@@ -288,8 +293,7 @@ impl World {
         for sweep in 0..self.options.solver.sweeps {
             permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
             shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
-            reference::sweep(&plan.units, &mut plan.rows, &plan.blocks, &mut plan.bodies);
-            self.report.sweeps += 1;
+            self.sweep_units(plan);
         }
         plan.units = order;
 

@@ -1,0 +1,105 @@
+//! MuJoCo's humanoid as Gymnasium has it dies: alone and in a heap of twenty it comes to rest with its joints together.
+//! Sleep is off, so that rest is the solver's. Run with `--nocapture` to see the measured figures.
+//!
+//! Skipped, and said so, where the models are not there; an error if `ISHIGAKI_REQUIRE` names `models`.
+
+use ishigaki::{BodyKind, Vec3};
+use ishigaki_scenes::SceneFile;
+use ishigaki_scenes::file::{BodyRef, FramesFile};
+use ishigaki_scenes::measure::REST_SPEED;
+use ishigaki_scenes::models::{ImportOptions, import};
+use std::io::Write;
+use std::path::Path;
+
+/// The humanoid on a floor, or `None` after saying that the test is skipped.
+fn humanoid() -> Option<SceneFile> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/gymnasium/humanoid.xml");
+    if path.is_file() {
+        let mut scene = import(&path, &ImportOptions { ground: true, ..ImportOptions::default() }).unwrap().scene;
+        scene.options.rest.sleep.enabled = false;
+        return Some(scene);
+    }
+    let message = "SKIPPED models: run scripts/fetch-models.sh";
+    let required = std::env::var("ISHIGAKI_REQUIRE").unwrap_or_default();
+    assert!(!required.split([',', ' ']).any(|word| word == "models"), "{message}");
+    eprintln!("{message}");
+    if let Some(log) = std::env::var_os("ISHIGAKI_SKIP_LOG")
+        && let Ok(mut file) = std::fs::OpenOptions::new().append(true).create(true).open(log)
+    {
+        let _ = writeln!(file, "{message}");
+    }
+    None
+}
+
+/// The scene with `count` copies of all that moves, each a little aside of and 2 m above the one before.
+fn heap(one: &SceneFile, count: usize) -> SceneFile {
+    let mut heap = one.clone();
+    let moves: Vec<bool> = one.bodies.iter().map(|b| b.kind != BodyKind::Fixed).collect();
+    for k in 1..count {
+        let (layer, place) = (k / 4, k % 4);
+        let across = Vec3::new((place % 2) as f32, (place / 2) as f32, 0.0) * 1.2 + 0.15 * Vec3::X * layer as f32;
+        let shift = across + 2.0 * Vec3::Z * layer as f32;
+        let mut index_of: Vec<usize> = (0..one.bodies.len()).collect();
+        for (i, body) in one.bodies.iter().enumerate().filter(|(i, _)| moves[*i]) {
+            index_of[i] = heap.bodies.len();
+            let mut copy = body.clone();
+            copy.name = format!("{}_{k}", body.name);
+            copy.position += shift;
+            heap.bodies.push(copy);
+        }
+        let moved = |body: &BodyRef| match body {
+            BodyRef::Index(i) => BodyRef::Index(index_of[*i]),
+            BodyRef::Name(name) => panic!("the importer names bodies by index, not `{name}`"),
+        };
+        for joint in &one.joints {
+            let mut copy = joint.clone();
+            copy.name = format!("{}_{k}", joint.name);
+            (copy.body_a, copy.body_b) = (moved(&joint.body_a), moved(&joint.body_b));
+            if let FramesFile::World(frame) = &mut copy.frame {
+                frame.position += shift;
+            }
+            heap.joints.push(copy);
+        }
+        heap.excluded_pairs.extend(one.excluded_pairs.iter().map(|[a, b]| [moved(a), moved(b)]));
+    }
+    heap
+}
+
+/// From when on nothing was faster than 0.05 m/s, s, and the greatest gap and angle error in the last two seconds.
+fn die(name: &str, file: &SceneFile, seconds: f64) -> (Option<f64>, f32, f32) {
+    let mut world = file.build().unwrap().world;
+    let (mut rest, mut gap, mut angle, mut worst) = (None, 0.0_f32, 0.0_f32, 0.0_f32);
+    while world.time() < seconds {
+        let report = world.step(1.0 / 60.0);
+        assert!(report.non_finite.is_empty(), "{name} is not finite at {} s", world.time());
+        rest = (report.max_speed <= REST_SPEED).then(|| rest.unwrap_or(world.time()));
+        worst = worst.max(report.max_joint_error);
+        if world.time() > seconds - 2.0 {
+            gap = gap.max(report.max_joint_error);
+            angle = world.joints().map(|(_, j)| j.angle_error()).fold(angle, f32::max);
+        }
+    }
+    eprintln!(
+        "{name}: at rest from {rest:.2?} s on, speed {:.4} m/s; gap {:.2} mm (worst {:.1}), beyond ranges {:.2}°",
+        world.report().max_speed,
+        1e3 * gap,
+        1e3 * worst,
+        angle.to_degrees()
+    );
+    (rest, gap, angle)
+}
+
+#[test]
+fn a_humanoid_dies() {
+    let Some(file) = humanoid() else { return };
+    let (rest, gap, angle) = die("humanoid", &file, 8.0);
+    assert!(rest.is_some_and(|rest| rest < 6.0), "{rest:?}");
+    assert!(gap < 5e-3 && angle.to_degrees() < 2.0, "{gap} m, {} °", angle.to_degrees());
+}
+
+#[test]
+fn a_heap_of_humanoids_dies() {
+    let Some(file) = humanoid() else { return };
+    let (_, gap, _) = die("20 humanoids", &heap(&file, 20), 10.0);
+    assert!(gap < 0.02, "{gap} m");
+}
