@@ -163,6 +163,7 @@ impl SolverOptions {
         options.penetration_recovery.enabled = false;
         options.slop.enabled = false;
         options.warm_start.enabled = false;
+        options.manifold_block.enabled = false;
         options.weight_amplification.enabled = false;
         options.shock_propagation.enabled = false;
         options
@@ -177,6 +178,7 @@ impl SolverOptions {
             relax_sweeps: 0,
             permutation: Permutation::PerSweep,
             weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
+            manifold_block: ManifoldBlock { enabled: true, ..ManifoldBlock::default() },
             ..Self::default()
         }
     }
