@@ -178,7 +178,6 @@ impl SolverOptions {
             relax_sweeps: 0,
             permutation: Permutation::PerSweep,
             weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
-            manifold_block: ManifoldBlock { enabled: true, ..ManifoldBlock::default() },
             ..Self::default()
         }
     }

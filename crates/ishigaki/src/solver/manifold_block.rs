@@ -3,7 +3,7 @@
 //! A face rests on four points whose normals see each other strongly: three of its six motions. Visited row by row,
 //! a sweep passes a load on quickly but tilts crawl, and a stack leans long before its impulses are found. Visited
 //! as one unit, normals first and several times (Gauss–Seidel inside), then friction with the bounds they give,
-//! the face is nearly solved at each visit: a tower of 40 at ten sweeps stands where it fell in a second.
+//! the face is nearly solved at each visit: a tower of 40 at ten sweeps a step stands where it fell in a second.
 //! Equation and fixed point are those of the rows; only the order of visiting differs. Cost: `passes` visits of each
 //! normal for one. Option: `solver.manifold_block`; shown by `tests/techniques.rs`.
 

@@ -66,9 +66,9 @@ fn presets_are_what_their_names_say() {
     assert_eq!(switches(&plain), [false; 6]);
 
     let talk = SolverOptions::talk();
-    assert_eq!((talk.substeps, talk.relax_sweeps), (1, 0));
+    assert_eq!((talk.substeps, talk.sweeps, talk.relax_sweeps), (4, 10, 0));
     assert_eq!(talk.permutation, Permutation::PerSweep);
-    assert_eq!(switches(&talk), [true, true, true, false, true, true]);
+    assert_eq!(switches(&talk), [true, true, true, false, true, false]);
     assert_eq!(talk.weight_amplification.factor, 1.4);
     assert!(talk.weight_amplification.mass && talk.weight_amplification.inertia);
 
