@@ -177,6 +177,7 @@ impl SolverOptions {
             sweeps: 10,
             relax_sweeps: 0,
             permutation: Permutation::PerSweep,
+            manifold_block: ManifoldBlock { enabled: false, ..ManifoldBlock::default() },
             weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
             ..Self::default()
         }
@@ -285,7 +286,7 @@ pub struct ManifoldBlock {
 
 impl Default for ManifoldBlock {
     fn default() -> Self {
-        Self { enabled: false, passes: 4 }
+        Self { enabled: true, passes: 4 }
     }
 }
 

@@ -1,7 +1,7 @@
 //! People without will.
 
 use super::{Builder, Random};
-use crate::file::{DriveFile, FrameFile, FramesFile, JointFile, JointKindFile, LimitFile, SceneFile};
+use crate::file::{FrameFile, FramesFile, JointFile, JointKindFile, LimitFile, SceneFile};
 use ishigaki::math::{cos, sin};
 use ishigaki::{Body, Pose, Quat, Shape, Vec3};
 
@@ -38,7 +38,8 @@ const LIMBS: [Limb; 11] = [
 enum Motion {
     /// A ball joint: the limb stays within a cone (half angle, rad) about its axis, and twists by so much either way.
     Cone(f32, f32),
-    /// Bends about an axis from straight to an angle, rad, and a little beyond straight.
+    /// A ball joint too: bends about an axis from straight to an angle, rad, and a little beyond straight. Its cone is
+    /// about the half-bent limb, so it also gives way sideways, as much as it is bent.
     Bend([f32; 3], f32),
 }
 
@@ -60,9 +61,9 @@ const JOINTS: [LimbJoint; 10] = [
 ];
 
 /// One ragdoll whose feet are 0.5 m above the ground, leaning forward by 0.2 rad: eleven capsules, 70 kg, 1.76 m,
-/// friction 0.6, arms spread. Waist, neck, shoulders and hips are ball joints with cone and twist limits (neck: cone
-/// 0.7 rad, twist ±1.2 rad); elbows and knees are hinges that bend one way (2.4 and 2.3 rad, −0.05 beyond straight).
-/// Each joint has a dry friction of 0.5 N·m. Limbs do not touch those they are joined to.
+/// friction 0.6, arms spread. All ten joints are ball joints with cone and twist limits (neck: cone 0.7 rad, twist
+/// ±1.2 rad); the cones of elbows and knees are about the half-bent limb, so that they bend one way (2.4 and 2.3 rad,
+/// 0.05 beyond straight). Each joint has a dry friction of 0.5 N·m. Limbs do not touch those they are joined to.
 pub fn ragdoll() -> SceneFile {
     let mut scene = Builder::on_ground(10, [2.5, 2.0, 4.0], [0.0, 0.8, 0.0]);
     let lean = Quat::from_xyzw(sin(0.1), 0.0, 0.0, cos(0.1));
@@ -95,33 +96,48 @@ pub fn ragdolls(n: usize) -> SceneFile {
 }
 
 fn add(scene: &mut Builder, world_from_doll: Pose, suffix: &str) {
-    let indices = LIMBS.map(|l| {
+    let poses = LIMBS.map(|l| {
         let (from, to) = (Vec3::from(l.from), Vec3::from(l.to));
         let along = (to - from).normalize_or_zero();
-        let pose = world_from_doll * Pose::from_parts(0.5 * (from + to), Quat::from_rotation_arc(Vec3::Y, along));
-        let capsule = Shape::capsule(0.5 * (to - from).length(), l.radius);
-        scene.add(Body::dynamic(capsule).mass(l.mass).posed(pose).named(format!("{}{suffix}", l.name)))
+        world_from_doll * Pose::from_parts(0.5 * (from + to), Quat::from_rotation_arc(Vec3::Y, along))
     });
+    let mut indices = [0; LIMBS.len()];
+    for (i, (l, pose)) in LIMBS.iter().zip(poses).enumerate() {
+        let capsule = Shape::capsule(0.5 * (Vec3::from(l.to) - Vec3::from(l.from)).length(), l.radius);
+        indices[i] = scene.add(Body::dynamic(capsule).mass(l.mass).posed(pose).named(format!("{}{suffix}", l.name)));
+    }
     for (parent, child, anchor, direction, motion) in &JOINTS {
-        let anchor = world_from_doll.transform_point(Vec3::from(*anchor));
+        let (anchor, direction) = (Vec3::from(*anchor), Vec3::from(*direction));
+        // The cone is about the parent's axis: the child's own, or that of the half-bent child.
         let (axis, kind) = match motion {
-            Motion::Cone(cone, twist) => (Vec3::from(*direction), cone_kind(*cone, *twist)),
-            Motion::Bend(axis, most) => (Vec3::from(*axis), bend_kind(*most)),
+            Motion::Cone(cone, twist) => (direction, cone_kind(*cone, *twist)),
+            Motion::Bend(about, most) => {
+                let half = 0.5 * (most - BEYOND_STRAIGHT);
+                let about = Vec3::from(*about) * sin(0.5 * half);
+                let turn = Quat::from_xyzw(about.x, about.y, about.z, cos(0.5 * half));
+                (turn * direction, cone_kind(0.5 * (most + BEYOND_STRAIGHT), BEND_TWIST))
+            }
         };
-        let frame = FrameFile::about(anchor, world_from_doll.rotation * axis);
-        scene.join(JointFile::new(indices[*parent], indices[*child], kind, FramesFile::World(frame)));
+        let child_frame = Pose::from_parts(anchor, Quat::from_rotation_arc(Vec3::X, direction));
+        let arc = Quat::from_rotation_arc(direction, axis);
+        let parent_frame = Pose::from_parts(anchor, arc * child_frame.rotation);
+        let local = |limb: usize, frame: Pose| {
+            let pose = poses[limb].inverse() * (world_from_doll * frame);
+            FrameFile { position: pose.translation, rotation: Some(pose.rotation), axis: None }
+        };
+        let frames = FramesFile::Local { a: local(*parent, parent_frame), b: local(*child, child_frame) };
+        scene.join(JointFile::new(indices[*parent], indices[*child], kind, frames));
     }
 }
 
 /// Dry friction of every joint, N·m: what makes a ragdoll die.
 const JOINT_FRICTION: f32 = 0.5;
+/// How far elbows and knees go beyond straight, rad.
+const BEYOND_STRAIGHT: f32 = 0.05;
+/// How far elbows and knees twist either way, rad.
+const BEND_TWIST: f32 = 0.3;
 
 fn cone_kind(cone: f32, twist: f32) -> JointKindFile {
     let twist = LimitFile { lower: Some(-twist), upper: Some(twist) };
     JointKindFile::Ball { cone: Some(cone), twist: Some(twist), friction: JOINT_FRICTION, damping: 0.0 }
-}
-
-fn bend_kind(most: f32) -> JointKindFile {
-    let limit = Some(LimitFile { lower: Some(-0.05), upper: Some(most) });
-    JointKindFile::Hinge(DriveFile { limit, friction: JOINT_FRICTION, ..DriveFile::default() })
 }
