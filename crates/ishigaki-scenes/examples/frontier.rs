@@ -5,19 +5,28 @@
 use ishigaki_scenes::{Meter, named};
 use std::time::Instant;
 
-/// Substeps, sweeps, relax sweeps.
-const CONFIGURATIONS: [(u32, u32, u32); 7] =
-    [(4, 2, 1), (4, 4, 1), (6, 2, 1), (8, 1, 1), (8, 2, 1), (8, 4, 1), (12, 2, 1)];
+/// Substeps, sweeps, relax sweeps, manifold blocks.
+const CONFIGURATIONS: [(u32, u32, u32, bool); 7] = [
+    (4, 2, 1, false),
+    (8, 2, 1, false),
+    (4, 2, 1, true),
+    (4, 4, 1, true),
+    (6, 2, 1, true),
+    (8, 1, 1, true),
+    (8, 2, 1, true),
+];
 /// Scene, parameters, seconds.
 type Trial = (&'static str, &'static [(&'static str, f64)], f64);
-const SCENES: [Trial; 8] = [
-    ("tower", &[("n", 20.0)], 60.0),
-    ("wall", &[], 20.0),
-    ("arch", &[], 20.0),
-    ("arch", &[("thickness", 0.118_25)], 20.0),
-    ("card_house", &[], 20.0),
-    ("pyramid", &[("base", 30.0)], 8.0),
+const SCENES: [Trial; 10] = [
+    ("tower", &[("n", 20.0)], 30.0),
+    ("wall", &[], 10.0),
+    ("arch", &[], 10.0),
+    ("arch", &[("thickness", 0.118_25)], 10.0),
+    ("card_house", &[], 10.0),
+    ("pyramid", &[("base", 30.0)], 5.0),
     ("plank_on_two_towers", &[], 10.0),
+    ("heavy_on_light", &[], 10.0),
+    ("overhang", &[], 10.0),
     ("chain", &[("links", 20.0)], 10.0),
 ];
 
@@ -27,12 +36,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "| substeps × (sweeps + relax) | scene | stands | drift, mm | penetration, mm | joint gap, mm | ms/step |"
     );
     println!("|---|---|---|---|---|---|---|");
-    for (substeps, sweeps, relax) in CONFIGURATIONS {
+    for (substeps, sweeps, relax, blocks) in CONFIGURATIONS {
         for (name, parameters, seconds) in SCENES {
             let parameters: Vec<(String, f64)> = parameters.iter().map(|&(k, v)| (k.to_string(), v)).collect();
             let mut file = named(name, &parameters)?;
             let solver = &mut file.options.solver;
             (solver.substeps, solver.sweeps, solver.relax_sweeps) = (substeps, sweeps, relax);
+            solver.manifold_block.enabled = blocks;
             file.options.rest.sleep.enabled = false;
             let mut scene = file.build()?;
             let mut meter = Meter::new(&scene.world);
@@ -46,7 +56,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let m = meter.measure();
             let label: Vec<String> = parameters.iter().map(|(k, v)| format!(" {k}={v}")).collect();
             println!(
-                "| {substeps} × ({sweeps} + {relax}) | {name}{} | {} | {:.1} | {:.2} | {:.2} | {ms:.2} |",
+                "| {substeps} × ({sweeps} + {relax}){} | {name}{} | {} | {:.1} | {:.2} | {:.2} | {ms:.2} |",
+                if blocks { " blocks" } else { "" },
                 label.concat(),
                 if m.stands { "yes" } else { "no" },
                 1e3 * m.drift,
