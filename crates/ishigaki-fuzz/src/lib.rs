@@ -19,7 +19,7 @@ const MOST_BYTES: usize = 1 << 20;
 /// The same for bodies, for shapes with points and triangles, and for joints.
 const MOST_PARTS: usize = 300;
 /// The same for sweeps in a step.
-const MOST_SWEEPS: u64 = 200;
+const MOST_SWEEPS: u64 = 400;
 
 /// What reads the input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,8 +108,9 @@ fn assert_rewrites(mut scene: SceneFile) {
 
 fn is_too_large(scene: &SceneFile) -> bool {
     let solver = &scene.options.solver;
-    let sweeps = u64::from(solver.substeps)
-        * (1 + u64::from(solver.sweeps) + u64::from(solver.relax_sweeps) + u64::from(solver.restitution.passes));
+    let passes = if solver.manifold_block.enabled { u64::from(solver.manifold_block.passes) } else { 1 };
+    let sweeps = (u64::from(solver.sweeps) + u64::from(solver.relax_sweeps)) * passes;
+    let sweeps = u64::from(solver.substeps) * (1 + sweeps + u64::from(solver.restitution.passes));
     let shared = scene.hulls.values().map(|hull| hull.points.len()).sum::<usize>()
         + scene.meshes.values().map(|mesh| mesh.triangles.len()).sum::<usize>();
     let parts: usize = scene.bodies.iter().flat_map(|body| &body.shapes).map(size).sum();
