@@ -10,6 +10,7 @@ use crate::body::{BodyState, unlocked};
 use crate::constraint::contact;
 use crate::constraint::frame::JointStep;
 use crate::constraint::joint_rows::reaction;
+use crate::constraint::row::RowSpec;
 use crate::math::Vec3;
 use crate::motion::{self, Spin, forces};
 use crate::solver::penetration_recovery::Recovery;
@@ -64,23 +65,15 @@ impl World {
     /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, dt: f32) {
         let step = self.joint_step(dt);
-        for rows in &plan.joints {
-            let joint = self.joints.at_mut(rows.joint);
-            let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
-            let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
-            plan.specs.clear();
-            joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
-            let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
-            for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
-                let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
-                *row = Row {
-                    total_lambda: row.total_lambda,
-                    coupling: row.coupling,
-                    recovery_softness: row.recovery_softness,
-                    ..fresh
-                };
-            }
-        }
+        self.for_joint_rows(plan, &step, |row, spec, _| {
+            let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
+            *row = Row {
+                total_lambda: row.total_lambda,
+                coupling: row.coupling,
+                recovery_softness: row.recovery_softness,
+                ..fresh
+            };
+        });
     }
 
     /// Jacobians of hard joint rows at the poses after the motion. Velocities must end along what the joint allows
@@ -88,19 +81,31 @@ impl World {
     /// Soft rows stay: their bias is an implicit equation about the whole substep.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         let step = JointStep { h, recovery_rate: 0.0 };
+        self.for_joint_rows(plan, &step, |row, spec, bodies| {
+            if spec.softness == 0.0 {
+                row.jacobian = spec.jacobian;
+                row.bias = spec.relax_bias;
+                row.refresh_mass(bodies);
+            }
+        });
+    }
+
+    /// Calls `edit` for each joint row with what its joint asks for at the poses as they are.
+    fn for_joint_rows(
+        &mut self,
+        plan: &mut Plan,
+        step: &JointStep,
+        mut edit: impl FnMut(&mut Row, &RowSpec, &[SolverBody]),
+    ) {
         for rows in &plan.joints {
             let joint = self.joints.at_mut(rows.joint);
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
             plan.specs.clear();
-            joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
+            joint.resolved.rows(&joint.definition.kind, &a, &b, step, &mut plan.specs);
             let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
             for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
-                if spec.softness == 0.0 {
-                    row.jacobian = spec.jacobian;
-                    row.bias = spec.relax_bias;
-                    row.refresh_mass(&plan.bodies);
-                }
+                edit(row, spec, &plan.bodies);
             }
         }
     }
