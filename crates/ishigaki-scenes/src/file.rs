@@ -166,6 +166,18 @@ pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
     *value == T::default()
 }
 
+/// A number that may be left out. One that an f32 cannot hold would be read as infinity and written as nothing.
+pub(crate) fn finite_or_none<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<f32>, D::Error> {
+    match Option::<f32>::deserialize(deserializer)? {
+        Some(value) if !value.is_finite() => {
+            Err(serde::de::Error::custom("must be finite and fit 32 bits: leave it out for no bound"))
+        }
+        value => Ok(value),
+    }
+}
+
 pub(crate) fn is_zero(value: &f32) -> bool {
     *value == 0.0
 }

@@ -222,6 +222,10 @@ fn joints_that_make_no_sense() {
             kind(r#"{"hinge": {"limits": {}}}"#),
             &["joints[0].kind.hinge", "unknown field `limits`, did you mean `limit`?"],
         ),
+        (
+            kind(r#"{"hinge": {"limit": {"lower": -3.5e38}}}"#),
+            &["joints[0].kind.hinge.limit.lower", "must be finite and fit 32 bits: leave it out for no bound"],
+        ),
         (kind(r#"{"hinge": {"limit": {"lower": 1, "upper": 0}}}"#), &["joints[0] \"j\": limit: ends are exchanged"]),
         (
             kind(r#"{"slider": {"spring": {"stiffness": -1}}}"#),

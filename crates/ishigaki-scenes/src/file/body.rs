@@ -1,7 +1,7 @@
 //! Bodies in a scene file.
 
 use super::shape::{GeometryFile, ShapeFile, Shared};
-use super::{is_default, is_false, is_one, is_true, is_zero};
+use super::{finite_or_none, is_default, is_false, is_one, is_true, is_zero};
 use ishigaki::{Body, BodyKind, MassProperties, MassSource, Pose, Quat, Vec3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -61,7 +61,7 @@ pub struct BodyFile {
     #[serde(skip_serializing_if = "is_true")]
     pub can_sleep: bool,
     /// Contacts of this body that carry more than this are reported as events, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
     pub force_threshold: Option<f32>,
 }
 

@@ -1,6 +1,6 @@
 //! Joints in a scene file.
 
-use super::{is_default, is_false, is_zero};
+use super::{finite_or_none, is_default, is_false, is_zero};
 use ishigaki::math::vector_from_rotation;
 use ishigaki::{Drive, Freedom, JointFrames, JointKind, Motor, Pose, Quat, Range, Spring, TurnAxis, Vec3};
 use schemars::JsonSchema;
@@ -68,10 +68,10 @@ pub struct JointFile {
     #[serde(default, skip_serializing_if = "is_false")]
     pub collide: bool,
     /// It breaks when it carries more than this, N; default: never.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
     pub break_force: Option<f32>,
     /// It breaks when it carries more than this, N·m; default: never.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
     pub break_torque: Option<f32>,
 }
 
@@ -82,7 +82,7 @@ pub enum JointKindFile {
     /// A point in common.
     Ball {
         /// Greatest angle between the two frames' x axes, in [0, π] rad; default: any.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
         cone: Option<f32>,
         /// Range of the rotation about x, rad; default: any.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -106,7 +106,7 @@ pub enum JointKindFile {
         #[serde(default, skip_serializing_if = "is_zero")]
         lower: f32,
         /// m; default: any.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
         upper: Option<f32>,
         /// Soft instead of hard; the target is a length, m.
         #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -128,10 +128,10 @@ pub enum JointKindFile {
 #[serde(deny_unknown_fields, default)]
 pub struct LimitFile {
     /// Lower end.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
     pub lower: Option<f32>,
     /// Upper end.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
     pub upper: Option<f32>,
 }
 
@@ -142,7 +142,7 @@ pub struct MotorFile {
     /// rad/s or m/s.
     pub speed: f32,
     /// Greatest effort, N·m or N; default: any.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "finite_or_none")]
     pub max_effort: Option<f32>,
 }
 
