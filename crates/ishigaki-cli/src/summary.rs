@@ -181,3 +181,29 @@ fn nanoseconds_kept(ms: f64) -> f64 {
 fn as_object<S: Serializer>(pairs: &[(&'static str, f64)], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(pairs.iter().copied())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ishigaki::{Body, Shape};
+
+    #[test]
+    fn bodies_that_left_the_numbers_are_named_and_their_energies_are_null() {
+        let mut world = World::default();
+        let lost = world.add_body(Body::dynamic(Shape::ball(1.0)).named("lost")).unwrap();
+        let nameless = world.add_body(Body::dynamic(Shape::ball(1.0))).unwrap();
+        let mut record = Record::new();
+        let report = StepReport { non_finite: vec![nameless, lost], kinetic_energy: f32::NAN, ..StepReport::default() };
+        record.add(0.001, report);
+        record
+            .add(0.003, StepReport { kinetic_energy: f32::INFINITY, max_penetration: f32::NAN, ..Default::default() });
+        let summary = record.summarize("test".into(), 2, 0.5, vec!["a warning".into()], &world);
+        assert_eq!(summary.non_finite, ["lost", "body 1"], "at any step, in the order of bodies");
+        assert!(summary.text().contains("lost, body 1"), "{}", summary.text());
+        let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
+        assert!(json["kinetic_energy"].is_null() && json["max_penetration"].is_null(), "{json}");
+        assert_eq!(json["worst_penetration"], 0.0);
+        assert_eq!(json["warnings"][0], "a warning");
+        assert_eq!(json["ms_per_step"]["max"], 3.0);
+    }
+}
