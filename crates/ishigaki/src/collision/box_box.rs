@@ -44,7 +44,9 @@ pub(crate) fn box_box(
         }
         None => {
             let apart = faces.iter().max_by(|p, q| p.separation.total_cmp(&q.separation));
-            *hint = apart.map_or(0, |axis| axis.source.to_hint(true));
+            if let Some(apart) = apart.filter(|axis| axis.separation > 0.0) {
+                *hint = apart.source.to_hint(true);
+            }
         }
     }
 }

@@ -133,6 +133,9 @@ pub(crate) fn choose_axis(
     pass_corners(faces, chosen, tolerance, hint)
 }
 
+/// Faces within this cosine lie along each other.
+const ALONG: f32 = 0.9999;
+
 /// Two boxes that lie flush side by side are one floor: what slides over the seam overlaps the second box by a
 /// sliver, a few millimeters deep along the true normal and still fewer along the way. The least overlap would
 /// stop it. So a sliver takes the axis along which the shapes overlapped *before* they met; and shapes that are
@@ -157,7 +160,12 @@ pub(crate) fn pass_corners(
     if chosen.separation > 0.0 {
         return None;
     }
-    let Some((source, was_apart)) = hint else { return Some(chosen) };
+    let Some((source, was_apart)) = hint else {
+        // Laid down face along face and corner to corner, as in worlds built on a grid: what hardly touches is not
+        // pushed either way.
+        let along = faces.iter().filter(|axis| axis.direction.dot(chosen.direction).abs() > ALONG).count();
+        return Some(chosen).filter(|axis| along < 2 || axis.separation < -0.1 * tolerance.sliver);
+    };
     let Some(last) = faces.iter().find(|axis| axis.source == source) else { return Some(chosen) };
     let last_was_chosen = last.direction.dot(chosen.direction).abs() > 0.7;
     // If they were apart along the chosen axis and met along it, they had rested on each other along the other one;
