@@ -26,6 +26,9 @@ pub fn load(what: &str, parameters: &[(String, f64)], import: ImportOptions) -> 
     }
     let mut warnings = Vec::new();
     let (scene, origin) = match kind {
+        Kind::Named if what.contains('.') => {
+            return Err(Failure::input(format!("{what}: names of files end in .json, .xml, .mjcf or .urdf")));
+        }
         Kind::Named => (named(what, parameters).map_err(Failure::input)?, what.to_string()),
         Kind::Stdin => {
             let mut json = String::new();

@@ -144,10 +144,8 @@ impl Summary {
         lines.push(("penetration", worst(self.max_penetration, self.worst_penetration)));
         lines.push(("joint error", worst(self.max_joint_error, self.worst_joint_error)));
         lines.push(("greatest speed", format!("{:.4} m/s", self.max_speed)));
-        lines.push((
-            "energy",
-            format!("{:.6} J kinetic, {:.6} J potential", self.kinetic_energy, self.potential_energy),
-        ));
+        let (kinetic, potential) = (significant(self.kinetic_energy), significant(self.potential_energy));
+        lines.push(("energy", format!("{kinetic} J kinetic, {potential} J potential")));
         lines.push(("momentum", format!("{} kg·m/s", vector(self.momentum))));
         lines.push(("angular momentum", format!("{} kg·m²/s", vector(self.angular_momentum))));
         lines.push(("state hash", self.state_hash.clone()));
@@ -172,6 +170,16 @@ fn vector([x, y, z]: [f32; 3]) -> String {
     format!("({x:.4}, {y:.4}, {z:.4})")
 }
 
+/// The digits that an f32 holds, six or seven, and none that it does not.
+fn significant(value: f32) -> String {
+    let size = value.abs();
+    if !(1e-4..1e7).contains(&size) && size > 0.0 {
+        return format!("{value:.3e}");
+    }
+    let whole_digits = (size.max(1.0).log10() as usize) + 1;
+    format!("{value:.*}", 7_usize.saturating_sub(whole_digits).min(6))
+}
+
 /// Milliseconds without the digits below a nanosecond: they are rounding of the clock's seconds.
 fn nanoseconds_kept(ms: f64) -> f64 {
     (1e6 * ms).round() / 1e6
@@ -186,6 +194,22 @@ fn as_object<S: Serializer>(pairs: &[(&'static str, f64)], serializer: S) -> Res
 mod tests {
     use super::*;
     use ishigaki::{Body, Shape};
+
+    #[test]
+    fn numbers_show_the_digits_they_have() {
+        for (value, text) in [
+            (0.0, "0.000000"),
+            (1_225_967.9, "1225968"),
+            (2568.252, "2568.252"),
+            (-0.25, "-0.250000"),
+            (3.2e-7, "3.200e-7"),
+            (-4e9, "-4.000e9"),
+            (f32::NAN, "NaN"),
+            (f32::INFINITY, "inf"),
+        ] {
+            assert_eq!(significant(value), text);
+        }
+    }
 
     #[test]
     fn bodies_that_left_the_numbers_are_named_and_their_energies_are_null() {

@@ -40,6 +40,7 @@ fn scenes_that_are_not_there() {
     refused(&folder, "run", &["<SCENE"]);
     refused(&folder, "run wal", &["wal", "did you mean `wall`"]);
     refused(&folder, "run no_such_scene_at_all", &["no_such_scene_at_all", "there are"]);
+    refused(&folder, "run picture.png", &["picture.png: names of files end in .json, .xml, .mjcf or .urdf"]);
     refused(&folder, "run missing.json", &["missing.json", "No such file", "ishigaki scenes"]);
     refused(&folder, "run missing.urdf", &["missing.urdf", "No such file"]);
     refused(&folder, "run folder.json", &["folder.json", "is a directory"]);

@@ -156,6 +156,10 @@ fn json_error(origin: &str, path: &str, error: &serde_json::Error) -> SceneError
     let message = text.strip_suffix(&format!(" at line {line} column {column}")).unwrap_or(&text);
     let path = if path == "." || path == "?" { "" } else { path };
     let mut message = with_guess(message);
+    if message == "expected value" {
+        // serde_json's words for `{}` where the name of a form should be, too.
+        message.push_str(": where one of several forms is meant, say its name, as in {\"ball\": {\"radius\": 1}}");
+    }
     if message.starts_with("recursion limit exceeded") {
         message.push_str(": compounds are nested too deep; lay them out flat");
     }

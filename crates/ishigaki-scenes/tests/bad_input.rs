@@ -57,6 +57,10 @@ fn text_that_is_no_scene() {
         (r#"{"dt": "fast"}"#.into(), &["bad.json:1:13: dt: invalid type: string \"fast\", expected f32"]),
         (r#"{"dt": 1e999}"#.into(), &["bad.json:1:12: dt: number out of range"]),
         (r#"{"dt": NaN}"#.into(), &["bad.json:1:8: dt: expected value"]),
+        (
+            r#"{"bodies": [{"shapes": [{"geometry": {}}]}]}"#.into(),
+            &["bodies[0].shapes[0].geometry: expected value: ", "say its name, as in {\"ball\": {\"radius\": 1}}"],
+        ),
         (r#"{"steps": -1}"#.into(), &["steps: invalid value: integer `-1`, expected u32"]),
         (r#"{"steps": 1.5}"#.into(), &["steps: invalid type: floating point `1.5`, expected u32"]),
         (r#"{"steps": 1, "steps": 2}"#.into(), &["duplicate field `steps`"]),

@@ -3,32 +3,21 @@
 //!
 //! Skipped, and said so, where the models are not there; an error if `ISHIGAKI_REQUIRE` names `models`.
 
+mod common;
+
+use common::models;
 use ishigaki::{BodyKind, Vec3};
 use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::file::{BodyRef, FramesFile};
 use ishigaki_scenes::measure::REST_SPEED;
 use ishigaki_scenes::models::{ImportOptions, import};
-use std::io::Write;
-use std::path::Path;
 
 /// The humanoid on a floor, or `None` after saying that the test is skipped.
 fn humanoid() -> Option<SceneFile> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/gymnasium/humanoid.xml");
-    if path.is_file() {
-        let mut scene = import(&path, &ImportOptions { ground: true, ..ImportOptions::default() }).unwrap().scene;
-        scene.options.rest.sleep.enabled = false;
-        return Some(scene);
-    }
-    let message = "SKIPPED models: run scripts/fetch-models.sh";
-    let required = std::env::var("ISHIGAKI_REQUIRE").unwrap_or_default();
-    assert!(!required.split([',', ' ']).any(|word| word == "models"), "{message}");
-    eprintln!("{message}");
-    if let Some(log) = std::env::var_os("ISHIGAKI_SKIP_LOG")
-        && let Ok(mut file) = std::fs::OpenOptions::new().append(true).create(true).open(log)
-    {
-        let _ = writeln!(file, "{message}");
-    }
-    None
+    let path = models("gymnasium")?.join("humanoid.xml");
+    let mut scene = import(&path, &ImportOptions { ground: true, ..ImportOptions::default() }).unwrap().scene;
+    scene.options.rest.sleep.enabled = false;
+    Some(scene)
 }
 
 /// The scene with `count` copies of all that moves, each a little aside of and 2 m above the one before.

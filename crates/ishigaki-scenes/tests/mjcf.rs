@@ -1,46 +1,26 @@
 //! MJCF: each feature in a few lines of XML, one file with all of them against MuJoCo's own numbers, the body tree
 //! against another reader, and rubbish.
 
+mod common;
+
+use common::{body, data, error_of, joint, mass, read_with};
 use ishigaki::{Combine, Quat, Vec3};
 use ishigaki_scenes::file::{
-    BodyFile, BodyRef, FramesFile, FreedomFile, GeometryFile, JointFile, JointKindFile, MassFile, SceneFile,
+    BodyFile, BodyRef, FramesFile, FreedomFile, GeometryFile, JointFile, JointKindFile, SceneFile,
 };
 use ishigaki_scenes::models::{Import, ImportOptions, import, import_mjcf_str};
-use std::path::{Path, PathBuf};
-
-fn data() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")
-}
 
 fn read(xml: &str) -> Import {
-    import_mjcf_str(xml, &data(), &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+    read_with(import_mjcf_str, xml)
 }
 
 fn error(xml: &str) -> String {
-    match import_mjcf_str(xml, &data(), &ImportOptions::default()) {
-        Ok(_) => panic!("was read: {xml}"),
-        Err(e) => e.to_string(),
-    }
+    error_of(import_mjcf_str, xml)
 }
 
 /// A document with this in its worldbody.
 fn world(inside: &str) -> String {
     format!("<mujoco><worldbody>{inside}</worldbody></mujoco>")
-}
-
-fn body<'a>(scene: &'a SceneFile, name: &str) -> &'a BodyFile {
-    scene.bodies.iter().find(|b| b.name == name).unwrap_or_else(|| panic!("no body {name}"))
-}
-
-fn joint<'a>(scene: &'a SceneFile, name: &str) -> &'a JointFile {
-    scene.joints.iter().find(|j| j.name == name).unwrap_or_else(|| panic!("no joint {name}"))
-}
-
-fn mass(body: &BodyFile) -> ishigaki::MassProperties {
-    match body.mass {
-        Some(MassFile::Properties(p)) => p.into(),
-        other => panic!("{}: {other:?}", body.name),
-    }
 }
 
 /// Inertia about the center in world axes: xx yy zz xy xz yz.

@@ -3,36 +3,15 @@
 //!
 //! Skipped, and said so, where the models are not there; an error if `ISHIGAKI_REQUIRE` names `models`.
 
+mod common;
+
+use common::models;
 use ishigaki::{BodyKind, World};
 use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::file::{BodyRef, DriveFile, FreedomFile, JointKindFile, MassFile};
 use ishigaki_scenes::models::{Import, ImportOptions, import};
 use std::f64::consts::PI;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// The folder of a set of models, or `None` after saying that the test is skipped.
-fn models(set: &str) -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models").join(set);
-    if folder.join(".version").is_file() {
-        return Some(folder);
-    }
-    // URDF is optional: its download is large.
-    let (needed, command) = match set {
-        "gymnasium" => ("models", "scripts/fetch-models.sh"),
-        _ => ("models-urdf", "scripts/fetch-models.sh --urdf"),
-    };
-    let message = format!("SKIPPED {needed}: run {command}");
-    let required = std::env::var("ISHIGAKI_REQUIRE").unwrap_or_default();
-    assert!(!required.split([',', ' ']).any(|word| word == needed), "{message}");
-    eprintln!("{message}");
-    if let Some(log) = std::env::var_os("ISHIGAKI_SKIP_LOG")
-        && let Ok(mut file) = std::fs::OpenOptions::new().append(true).create(true).open(log)
-    {
-        let _ = writeln!(file, "{message}");
-    }
-    None
-}
 
 fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();

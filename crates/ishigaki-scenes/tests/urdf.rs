@@ -1,40 +1,18 @@
 //! URDF: each feature in a few lines of XML, the tree against another reader, and rubbish.
 
-use ishigaki::{BodyKind, Quat, Vec3};
-use ishigaki_scenes::file::{
-    BodyFile, FramesFile, FreedomFile, GeometryFile, JointFile, JointKindFile, MassFile, SceneFile,
-};
-use ishigaki_scenes::models::{Import, ImportOptions, import, import_urdf_str};
-use std::path::{Path, PathBuf};
+mod common;
 
-fn data() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data")
-}
+use common::{body, data, error_of, joint, mass, read_with};
+use ishigaki::{BodyKind, Quat, Vec3};
+use ishigaki_scenes::file::{FramesFile, FreedomFile, GeometryFile, JointKindFile};
+use ishigaki_scenes::models::{Import, ImportOptions, import, import_urdf_str};
 
 fn read(xml: &str) -> Import {
-    import_urdf_str(xml, &data(), &ImportOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+    read_with(import_urdf_str, xml)
 }
 
 fn error(xml: &str) -> String {
-    match import_urdf_str(xml, &data(), &ImportOptions::default()) {
-        Ok(_) => panic!("was read: {xml}"),
-        Err(e) => e.to_string(),
-    }
-}
-
-fn body<'a>(scene: &'a SceneFile, name: &str) -> &'a BodyFile {
-    scene.bodies.iter().find(|b| b.name == name).unwrap_or_else(|| panic!("no body {name}"))
-}
-
-fn joint<'a>(scene: &'a SceneFile, name: &str) -> &'a JointFile {
-    scene.joints.iter().find(|j| j.name == name).unwrap_or_else(|| panic!("no joint {name}"))
-}
-
-fn mass(body: &BodyFile) -> ishigaki::MassProperties {
-    match body.mass {
-        Some(MassFile::Properties(p)) => p.into(),
-        other => panic!("{}: {other:?}", body.name),
-    }
+    error_of(import_urdf_str, xml)
 }
 
 const SOLID: &str = r#"<inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1"/></inertial>"#;

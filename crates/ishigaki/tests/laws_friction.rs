@@ -2,8 +2,8 @@
 
 mod laws;
 
-use ishigaki::{Body, BodyHandle, FrictionModel, Quat, Shape, Vec3, World};
-use laws::{G, STEPS, body, converges, options, relative, run, world};
+use ishigaki::{Body, BodyHandle, FrictionModel, Material, Quat, Shape, Vec3, World};
+use laws::{DEFAULT_STEPS, G, STEPS, body, converges, default_world, options, relative, run, world};
 
 /// A half-space that falls toward +x by `angle` and the direction of steepest descent.
 fn slope(world: &mut World, angle: f32, friction: f32) -> (Vec3, Vec3) {
@@ -26,79 +26,160 @@ fn floor(world: &mut World, friction: f32) {
 }
 
 /// a = g (sin θ − μ cos θ). Once the block carries its weight its speed has no error but rounding; its way is that of
-/// symplectic Euler.
-#[test]
-fn block_slides_down_a_slope() {
+/// symplectic Euler. Gives the error of the way.
+fn slide_down(mut world: World, dt: f32) -> f64 {
     let (angle, friction) = (30.0_f32.to_radians(), 0.3);
     let acceleration = G * (f64::from(angle).sin() - f64::from(friction) * f64::from(angle).cos());
-    let errors = STEPS.map(|dt| {
-        let mut world = world();
-        let (block, down) = block_on_slope(&mut world, angle, friction);
-        run(&mut world, 0.1, dt);
-        let (start, speed) = (body(&world, block).center(), f64::from(body(&world, block).velocity().dot(down)));
-        let t = run(&mut world, 1.0, dt);
-        let state = body(&world, block);
-        let speed_error = relative(f64::from(state.velocity().dot(down)) - speed, acceleration * t);
-        eprintln!("sliding speed off by {speed_error:.1e} at 1/{:.0} s", 1.0 / dt);
-        assert!(speed_error < 1e-4, "speed off by {speed_error}");
-        relative((state.center() - start).dot(down).into(), speed * t + 0.5 * acceleration * t * t)
-    });
-    converges("sliding v₀t + ½g(sinθ − μcosθ)t²", errors, 1.0, 1e-5, 0.01);
+    let (block, down) = block_on_slope(&mut world, angle, friction);
+    run(&mut world, 0.1, dt);
+    let (start, speed) = (body(&world, block).center(), f64::from(body(&world, block).velocity().dot(down)));
+    let t = run(&mut world, 1.0, dt);
+    let state = body(&world, block);
+    let speed_error = relative(f64::from(state.velocity().dot(down)) - speed, acceleration * t);
+    eprintln!("sliding speed off by {speed_error:.1e} at 1/{:.0} s", 1.0 / dt);
+    assert!(speed_error < 1e-4, "speed off by {speed_error}");
+    relative((state.center() - start).dot(down).into(), speed * t + 0.5 * acceleration * t * t)
+}
+
+#[test]
+fn block_slides_down_a_slope() {
+    let law = "sliding v₀t + ½g(sinθ − μcosθ)t²";
+    converges(law, STEPS.map(|dt| slide_down(world(), dt)), 1.0, 1e-5, 0.01);
+    converges(law, DEFAULT_STEPS.map(|dt| slide_down(default_world(), dt)), 1.0, 1e-5, 0.01);
 }
 
 /// tan θ < μ: nothing moves, not even slowly.
-#[test]
-fn block_sticks_on_a_slope() {
+fn stick(mut world: World, dt: f32) {
     // 98 % of the slope at which it would slide.
     let (angle, friction) = ((0.98_f64 * 0.6).atan() as f32, 0.6);
-    for dt in STEPS {
-        let mut world = world();
-        let (block, down) = block_on_slope(&mut world, angle, friction);
-        run(&mut world, 0.1, dt);
-        let start = body(&world, block).center();
-        run(&mut world, 5.0, dt);
-        let creep = (body(&world, block).center() - start).dot(down);
-        eprintln!("creep in 5 s at 1/{:.0} s: {creep:.1e} m", 1.0 / dt);
-        assert!(creep.abs() < 1e-5, "crept {creep} m in 5 s");
-    }
+    let (block, down) = block_on_slope(&mut world, angle, friction);
+    run(&mut world, 0.1, dt);
+    let start = body(&world, block).center();
+    run(&mut world, 5.0, dt);
+    let creep = (body(&world, block).center() - start).dot(down);
+    eprintln!("creep in 5 s at 1/{:.0} s: {creep:.1e} m", 1.0 / dt);
+    assert!(creep.abs() < 1e-5, "crept {creep} m in 5 s");
+}
+
+#[test]
+fn block_sticks_on_a_slope() {
+    STEPS.iter().for_each(|&dt| stick(world(), dt));
+    DEFAULT_STEPS.iter().for_each(|&dt| stick(default_world(), dt));
 }
 
 /// v²/(2 μ g).
+fn stop(mut world: World, dt: f32) -> f64 {
+    let friction = 0.5;
+    floor(&mut world, friction);
+    let block = Body::dynamic(Shape::cuboid(0.5, 0.1, 0.5).friction(friction));
+    let block = world.add_body(block.at(0.1 * Vec3::Y).velocity(4.0 * Vec3::X)).unwrap();
+    run(&mut world, 1.0, dt);
+    let state = body(&world, block);
+    assert!(state.velocity().length() < 1e-5, "still moves with {}", state.velocity());
+    relative(state.center().x.into(), 16.0 / (2.0 * f64::from(friction) * G))
+}
+
 #[test]
 fn sliding_block_stops() {
-    let friction = 0.5;
-    let errors = STEPS.map(|dt| {
-        let mut world = world();
-        floor(&mut world, friction);
-        let block = Body::dynamic(Shape::cuboid(0.5, 0.1, 0.5).friction(friction));
-        let block = world.add_body(block.at(0.1 * Vec3::Y).velocity(4.0 * Vec3::X)).unwrap();
-        run(&mut world, 1.0, dt);
-        let state = body(&world, block);
-        assert!(state.velocity().length() < 1e-5, "still moves with {}", state.velocity());
-        relative(state.center().x.into(), 16.0 / (2.0 * f64::from(friction) * G))
-    });
-    converges("stop distance v²/2μg", errors, 1.0, 1e-5, 0.01);
+    converges("stop distance v²/2μg", STEPS.map(|dt| stop(world(), dt)), 1.0, 1e-5, 0.01);
+    converges("stop distance v²/2μg", DEFAULT_STEPS.map(|dt| stop(default_world(), dt)), 1.0, 1e-5, 0.01);
 }
 
 /// A ball that rolls without slipping gains 5/7 g sin θ.
-#[test]
-fn ball_rolls_down_a_slope() {
+fn roll_down(mut world: World, dt: f32) -> f64 {
     let angle = 20.0_f32.to_radians();
     let acceleration = 5.0 / 7.0 * G * f64::from(angle).sin();
+    let (normal, down) = slope(&mut world, angle, 0.6);
+    let ball = world.add_body(Body::dynamic(Shape::ball(0.25)).at(0.25 * normal)).unwrap();
+    let start = body(&world, ball).center();
+    let t = run(&mut world, 1.0, dt);
+    let state = body(&world, ball);
+    let speed = f64::from(state.velocity().dot(down));
+    let rolling = f64::from(0.25 * state.angular_velocity().dot(-Vec3::Z));
+    assert!(relative(speed, acceleration * t) < 1e-4, "{speed} m/s instead of {}", acceleration * t);
+    assert!(relative(rolling, speed) < 1e-4, "it slips: {rolling} {speed}");
+    relative((state.center() - start).dot(down).into(), 0.5 * acceleration * t * t)
+}
+
+#[test]
+fn ball_rolls_down_a_slope() {
+    let law = "rolling ½·5/7·g·sinθ·t²";
+    converges(law, STEPS.map(|dt| roll_down(world(), dt)), 1.0, 1e-5, 0.01);
+    converges(law, DEFAULT_STEPS.map(|dt| roll_down(default_world(), dt)), 1.0, 1e-5, 0.01);
+}
+
+/// A ball of radius 0.5 m whose material resists spin and rolling by these lengths, m, on a floor or slope.
+fn resisted_ball(world: &mut World, angle: f32, torsional: f32, rolling: f32) -> (BodyHandle, Vec3) {
+    let (normal, down) = slope(world, angle, 0.6);
+    let material = Material { torsional_friction: torsional, rolling_friction: rolling, ..Material::default() };
+    let ball = Body::dynamic(Shape::ball(0.5).material(material)).at(0.5 * normal);
+    (world.add_body(ball).unwrap(), down)
+}
+
+/// Torsional friction ℓ: a ball that spins about the normal is slowed by ℓ m g, by 5ℓg/2r² that is, and turns ω²/2α.
+#[test]
+fn a_spinning_ball_stops() {
+    let (length, spin) = (0.02_f32, 2.0_f32);
+    let slowing = 5.0 * f64::from(length) * G / (2.0 * 0.25);
     let errors = STEPS.map(|dt| {
         let mut world = world();
-        let (normal, down) = slope(&mut world, angle, 0.6);
-        let ball = world.add_body(Body::dynamic(Shape::ball(0.25)).at(0.25 * normal)).unwrap();
-        let start = body(&world, ball).center();
-        let t = run(&mut world, 1.0, dt);
+        let (ball, _) = resisted_ball(&mut world, 0.0, length, 0.0);
+        world.body_mut(ball).unwrap().set_angular_velocity(spin * Vec3::Y).unwrap();
+        run(&mut world, 0.5, dt);
+        let left = f64::from(body(&world, ball).angular_velocity().y);
+        assert!((left - (f64::from(spin) - 0.5 * slowing)).abs() < 0.02, "{left} rad/s after half a second");
+        run(&mut world, 1.0, dt);
         let state = body(&world, ball);
-        let speed = f64::from(state.velocity().dot(down));
-        let rolling = f64::from(0.25 * state.angular_velocity().dot(-Vec3::Z));
-        assert!(relative(speed, acceleration * t) < 1e-4, "{speed} m/s instead of {}", acceleration * t);
-        assert!(relative(rolling, speed) < 1e-4, "it slips: {rolling} {speed}");
-        relative((state.center() - start).dot(down).into(), 0.5 * acceleration * t * t)
+        assert!(state.angular_velocity().length() < 1e-4, "still turns with {}", state.angular_velocity());
+        assert!(state.velocity().length() < 1e-5, "wanders with {}", state.velocity());
+        relative(state.rotation().to_scaled_axis().y.into(), f64::from(spin).powi(2) / (2.0 * slowing))
     });
-    converges("rolling ½·5/7·g·sinθ·t²", errors, 1.0, 1e-5, 0.01);
+    converges("angle of a spinning ball ω²/2α", errors, 1.0, 1e-4, 0.01);
+}
+
+/// Rolling friction ℓ: a ball that rolls is slowed by 5/7 g ℓ/r, straight ahead in whatever direction it goes.
+#[test]
+fn a_rolling_ball_stops() {
+    let (length, speed) = (0.04_f32, 0.6_f32);
+    let exact = f64::from(speed).powi(2) / (2.0 * 5.0 / 7.0 * G * f64::from(length) / 0.5);
+    for degrees in [0.0_f64, 30.0] {
+        let along = Vec3::new(degrees.to_radians().cos() as f32, 0.0, degrees.to_radians().sin() as f32);
+        let across = along.cross(Vec3::Y);
+        let errors = STEPS.map(|dt| {
+            let mut world = world();
+            let (ball, _) = resisted_ball(&mut world, 0.0, 0.0, length);
+            let mut edit = world.body_mut(ball).unwrap();
+            edit.set_velocity(speed * along).unwrap();
+            edit.set_angular_velocity(-speed / 0.5 * across).unwrap();
+            run(&mut world, 2.0, dt);
+            let state = body(&world, ball);
+            assert!(state.velocity().length() < 1e-4, "still rolls with {}", state.velocity());
+            assert!(state.center().dot(across).abs() < 1e-3, "leaves its line: {}", state.center());
+            relative(state.center().dot(along).into(), exact)
+        });
+        converges(&format!("way of a rolling ball at {degrees}°"), errors, 1.0, 1e-4, 0.01);
+    }
+}
+
+/// tan θ < ℓ/r: a ball lies still on a slope; above it rolls with 5/7 g (sin θ − ℓ/r cos θ).
+#[test]
+fn a_resisted_ball_rolls_only_on_a_steep_slope() {
+    let length = 0.05_f32;
+    let critical = f64::from(length) / 0.5;
+    for dt in STEPS {
+        for part in [0.95, 1.2] {
+            let angle = (part * critical).atan();
+            let mut world = world();
+            let (ball, down) = resisted_ball(&mut world, angle as f32, 0.0, length);
+            run(&mut world, 0.1, dt);
+            let start = body(&world, ball).velocity().dot(down);
+            let t = run(&mut world, 2.0, dt);
+            let gained = f64::from(body(&world, ball).velocity().dot(down) - start);
+            let exact = 5.0 / 7.0 * G * (angle.sin() - critical * angle.cos()).max(0.0) * t;
+            eprintln!("{part} of the slope at 1/{:.0} s: {gained:.5} m/s, exact {exact:.5}", 1.0 / dt);
+            assert!((gained - exact).abs() < 1e-4 + 0.005 * exact, "{gained} m/s instead of {exact}");
+        }
+    }
 }
 
 /// A box pushed at a height: it slides above μmg, tips above mg·a/height. 2 % to either side of the lesser threshold

@@ -2,7 +2,7 @@
 
 mod laws;
 
-use ishigaki::{Body, MassProperties, Quat, Shape, Vec3, World};
+use ishigaki::{Body, MassProperties, Pose, Quat, Shape, Vec3, World};
 use laws::{G, STEPS, body, converges, options, relative, run, world};
 
 /// TALK A1: symplectic Euler falls g h² n(n+1)/2 in n substeps of h, to rounding, and so ½ g t² to first order.
@@ -136,4 +136,35 @@ fn a_spinning_stone_flies_a_parabola() {
         (f64::from(center.y) - (6.0 * t - 0.5 * G * t * t)).abs()
     });
     converges("height of a thrown stone, m", errors, 1.0, 1e-5, 0.01);
+}
+
+/// Between two steps a pose is between the two poses; at the ends it is one of them, and a body that is set elsewhere
+/// does not slide there.
+#[test]
+fn poses_between_steps_are_between() {
+    let mut world = world();
+    // Its center is not its origin: the origin goes along an arc.
+    let shape = Shape::cuboid(0.3, 0.2, 0.1).at(Vec3::new(0.5, 0.0, 0.0));
+    let stone = Body::dynamic(shape).velocity(Vec3::new(3.0, 6.0, 1.0)).angular_velocity(Vec3::new(5.0, -8.0, 3.0));
+    let stone = world.add_body(stone).unwrap();
+    let added = body(&world, stone).pose();
+    assert_eq!(body(&world, stone).interpolated_pose(0.5), added, "no step yet: it is where it was put");
+    let mut before = added;
+    for _ in 0..30 {
+        world.step(STEPS[0]);
+        let (state, after) = (body(&world, stone), body(&world, stone).pose());
+        let (first, last) = (state.interpolated_pose(0.0), state.interpolated_pose(1.0));
+        let near = |a: Pose, b: Pose| {
+            (a.translation - b.translation).length() < 1e-6 && a.rotation.angle_between(b.rotation) < 1e-3
+        };
+        assert!(near(first, before) && near(last, after), "{first:?} {last:?}");
+        let half = state.interpolated_pose(0.5);
+        let (back, ahead) = (half.rotation.angle_between(before.rotation), half.rotation.angle_between(after.rotation));
+        assert!((back - ahead).abs() < 2e-3, "{back} rad and {ahead} rad");
+        assert!((half.translation - 0.5 * (before.translation + after.translation)).length() < 1e-5);
+        before = after;
+    }
+    let elsewhere = Pose::from_translation(Vec3::new(100.0, 0.0, 0.0));
+    world.body_mut(stone).unwrap().set_pose(elsewhere).unwrap();
+    assert_eq!(body(&world, stone).interpolated_pose(0.5), elsewhere);
 }

@@ -2,8 +2,8 @@
 
 mod laws;
 
-use ishigaki::{Body, BodyKind, Joint, MassProperties, Quat, Shape, Vec3};
-use laws::{G, STEPS, body, converges, relative, world};
+use ishigaki::{Body, BodyKind, Joint, MassProperties, Quat, Shape, Vec3, World};
+use laws::{DEFAULT_STEPS, G, STEPS, body, converges, default_world, relative, world};
 
 /// T over T₀ of small swings: 2K(sin ½θ)/π.
 const AMPLITUDES: [(f64, f64); 5] =
@@ -11,8 +11,7 @@ const AMPLITUDES: [(f64, f64); 5] =
 const RADIUS: f64 = 0.1;
 
 /// A ball of radius 0.1 m whose center hangs 1 m below a hinge (or ball joint): its period over the T₀ of the compound pendulum.
-fn period_ratio(degrees: f64, dt: f32, hinge: bool) -> f64 {
-    let mut world = world();
+fn period_ratio(mut world: World, degrees: f64, dt: f32, hinge: bool) -> f64 {
     let hook = world.add_body(Body::empty(BodyKind::Fixed)).unwrap();
     let angle = degrees.to_radians();
     let center = Vec3::new(angle.sin() as f32, -angle.cos() as f32, 0.0);
@@ -41,15 +40,25 @@ fn period_ratio(degrees: f64, dt: f32, hinge: bool) -> f64 {
 #[test]
 fn pendulum_keeps_its_period() {
     for (degrees, ratio) in AMPLITUDES {
-        let errors = STEPS.map(|dt| relative(period_ratio(degrees, dt, true), ratio));
+        let errors = STEPS.map(|dt| relative(period_ratio(world(), degrees, dt, true), ratio));
         converges(&format!("period at {degrees}°, hinge"), errors, 1.0, 2e-5, 1e-3);
+    }
+}
+
+#[test]
+fn pendulum_keeps_its_period_with_default_options() {
+    for (degrees, ratio) in AMPLITUDES {
+        for hinge in [true, false] {
+            let errors = DEFAULT_STEPS.map(|dt| relative(period_ratio(default_world(), degrees, dt, hinge), ratio));
+            converges(&format!("period at {degrees}° by default, hinge {hinge}"), errors, 1.0, 2e-5, 1e-3);
+        }
     }
 }
 
 #[test]
 fn pendulum_on_a_ball_joint_keeps_its_period() {
     for (degrees, ratio) in [AMPLITUDES[1], AMPLITUDES[3]] {
-        let errors = STEPS.map(|dt| relative(period_ratio(degrees, dt, false), ratio));
+        let errors = STEPS.map(|dt| relative(period_ratio(world(), degrees, dt, false), ratio));
         converges(&format!("period at {degrees}°, ball joint"), errors, 1.0, 2e-5, 1e-3);
     }
 }
