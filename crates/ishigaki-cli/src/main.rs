@@ -7,13 +7,16 @@ mod failure;
 mod number;
 mod options;
 mod output;
+mod page;
 mod progress;
+mod recordings;
 mod run;
 mod samples;
 mod scenes;
 mod source;
 mod states;
 mod summary;
+mod view;
 
 use clap::{Parser, Subcommand};
 use failure::Failure;
@@ -30,6 +33,8 @@ struct Arguments {
 enum Command {
     /// Run a scene and report times, contacts, errors and energies.
     Run(run::Run),
+    /// Show a recording in a browser; without one, the engine live in the page.
+    View(view::View),
     /// List the named scenes, or write one as a scene file.
     Scenes(scenes::Scenes),
     /// List every option of the engine with its default, as `run --set` takes it.
@@ -39,6 +44,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(run) => run.execute(),
+        Command::View(view) => view.execute(),
         Command::Scenes(scenes) => scenes.execute(),
         Command::Options => options::execute(),
     };

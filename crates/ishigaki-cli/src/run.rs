@@ -4,12 +4,14 @@ use crate::failure::{At, Failure, INTERRUPTED};
 use crate::number;
 use crate::output::{self, AtomicFile};
 use crate::progress::{Progress, now};
+use crate::recordings::{Films, Recordings};
 use crate::source::{self, Source};
 use crate::states::StateTable;
 use crate::summary::Record;
 use clap::Args;
 use ishigaki::{StepContext, World};
 
+use ishigaki_scenes::file::CameraFile;
 use ishigaki_scenes::models::ImportOptions;
 use ishigaki_scenes::set_option;
 use std::io::Write;
@@ -45,6 +47,8 @@ pub struct Run {
     #[arg(long, value_name = "K", default_value = "1", value_parser = number::steps, requires = "states",
           allow_hyphen_values = true)]
     every: u64,
+    #[command(flatten)]
+    recordings: Recordings,
     /// Write a snapshot of the world after the last step.
     #[arg(long, value_name = "FILE.snap")]
     snapshot: Option<PathBuf>,
@@ -72,13 +76,13 @@ struct Job {
     steps: u64,
     dt: f32,
     warnings: Vec<String>,
+    /// Where the scene would like to be looked at from.
+    camera: Option<CameraFile>,
 }
 
 impl Run {
     pub fn execute(&self) -> Result<(), Failure> {
-        if self.states.is_some() && self.states == self.snapshot {
-            return Err(Failure::input("--states and --snapshot name the same file; give each its own"));
-        }
+        self.check_outputs()?;
         let mut job = self.prepare()?;
         if !self.quiet {
             job.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
@@ -86,7 +90,9 @@ impl Run {
         let mut states = self.states.as_deref().map(|path| StateTable::create(path, self.every)).transpose()?;
         let snapshot = self.snapshot.as_deref().map(AtomicFile::create).transpose()?;
 
-        let record = self.advance(&mut job, states.as_mut())?;
+        let mut films = self.recordings.start(&job.world, &job.name, job.dt, job.camera)?;
+
+        let record = self.advance(&mut job, states.as_mut(), &mut films)?;
 
         if let Some(states) = states {
             states.commit()?;
@@ -95,6 +101,7 @@ impl Run {
             file.write_all(&job.world.snapshot()).other_at(file.path().display())?;
             file.commit()?;
         }
+        films.commit(&job.world)?;
         let summary = record.summarize(job.name, job.steps, job.dt, job.warnings, &job.world);
         output::print(&if self.json { summary.json() } else { summary.text() })?;
         if summary.non_finite.is_empty() {
@@ -102,6 +109,23 @@ impl Run {
         } else {
             Err(Failure::other(format!("not finite after the run: {}", summary.non_finite.join(", "))))
         }
+    }
+
+    /// Two results in one file would leave only the later.
+    fn check_outputs(&self) -> Result<(), Failure> {
+        let outputs = [
+            ("--states", &self.states),
+            ("--snapshot", &self.snapshot),
+            ("--record", &self.recordings.record),
+            ("--html", &self.recordings.html),
+        ];
+        for (i, (name, path)) in outputs.iter().enumerate() {
+            let same = outputs[i + 1..].iter().find(|(_, other)| path.is_some() && path == other);
+            if let Some((other, _)) = same {
+                return Err(Failure::input(format!("{name} and {other} name the same file; give each its own")));
+            }
+        }
+        Ok(())
     }
 
     fn prepare(&self) -> Result<Job, Failure> {
@@ -122,9 +146,10 @@ impl Run {
 
     fn job_of_scene(&self, source: Source) -> Result<Job, Failure> {
         let Source { scene, origin, warnings } = source;
+        let camera = scene.camera;
         let built = scene.build().input_at(&origin)?;
         let steps = self.steps.unwrap_or(u64::from(built.steps).max(1));
-        Ok(Job { world: built.world, name: origin, steps, dt: self.dt.unwrap_or(built.dt), warnings })
+        Ok(Job { world: built.world, name: origin, steps, dt: self.dt.unwrap_or(built.dt), warnings, camera })
     }
 
     fn job_of_snapshot(&self, source: Option<Source>, path: &Path) -> Result<Job, Failure> {
@@ -144,7 +169,7 @@ impl Run {
                 return Err(Failure::input(message));
             }
             let (steps, dt) = (self.steps.unwrap_or(DEFAULT_STEPS), self.dt.unwrap_or(DEFAULT_DT));
-            return Ok(Job { world, name: shown.to_string(), steps, dt, warnings: Vec::new() });
+            return Ok(Job { world, name: shown.to_string(), steps, dt, warnings: Vec::new(), camera: None });
         };
         let job = self.job_of_scene(source)?;
         if !world.bodies().map(|(_, b)| b.name()).eq(job.world.bodies().map(|(_, b)| b.name())) {
@@ -157,7 +182,12 @@ impl Run {
     }
 
     /// Takes the steps.
-    fn advance(&self, job: &mut Job, mut states: Option<&mut StateTable>) -> Result<Record, Failure> {
+    fn advance(
+        &self,
+        job: &mut Job,
+        mut states: Option<&mut StateTable>,
+        films: &mut Films,
+    ) -> Result<Record, Failure> {
         let interrupted = interrupt_flag()?;
         let mut record = Record::new();
         let mut progress = Progress::new(job.steps, self.quiet);
@@ -178,6 +208,7 @@ impl Run {
             if let Some(states) = &mut states {
                 states.record(done, &job.world)?;
             }
+            films.step(&job.world)?;
             progress.update(done, job.steps);
             if interrupted.load(Ordering::Relaxed) {
                 return Err(Failure { code: INTERRUPTED, ..Failure::other(format!("interrupted after step {done}")) });

@@ -1,6 +1,7 @@
 //! What the mutations start from: the test data of the scene crate and all named scenes.
 
 use crate::{Target, is_too_large};
+use ishigaki_recording::{About, Recorder};
 use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::{list, named};
 use std::path::{Path, PathBuf};
@@ -44,7 +45,21 @@ fn seeds_of(name: &str, file: &SceneFile) -> Vec<Seed> {
         built.world.step(built.dt);
         seed(Target::Snapshot, built.world.snapshot())
     });
-    snapshot.into_iter().chain([seed(Target::SceneJson, file.to_json().into_bytes())]).collect()
+    let recording = record(file).map(|data| seed(Target::Recording, data));
+    let scene = seed(Target::SceneJson, file.to_json().into_bytes());
+    snapshot.into_iter().chain(recording).chain([scene]).collect()
+}
+
+/// A recording of a few steps.
+fn record(file: &SceneFile) -> Option<Vec<u8>> {
+    let mut built = file.build().ok()?;
+    let about = About { dt: built.dt, contacts: true, ..About::default() };
+    let mut recorder = Recorder::new(Vec::new(), &built.world, &about).ok()?;
+    for _ in 0..3 {
+        built.world.step(built.dt);
+        recorder.step(&built.world).ok()?;
+    }
+    recorder.finish(&built.world).ok()
 }
 
 fn files(folder: &Path) -> Vec<Seed> {

@@ -7,6 +7,7 @@ pub mod corpus;
 pub mod mutate;
 
 use ishigaki::World;
+use ishigaki_recording::Recording;
 use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::file::{GeometryFile, ShapeFile};
 use ishigaki_scenes::models::{self, ImportOptions};
@@ -32,11 +33,13 @@ pub enum Target {
     Urdf,
     /// A snapshot of a world.
     Snapshot,
+    /// A recording of a run.
+    Recording,
 }
 
 impl Target {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::SceneJson, Self::Mjcf, Self::Urdf, Self::Snapshot];
+    pub const ALL: [Self; 5] = [Self::SceneJson, Self::Mjcf, Self::Urdf, Self::Snapshot, Self::Recording];
 
     /// As on the command line.
     pub fn name(self) -> &'static str {
@@ -45,18 +48,19 @@ impl Target {
             Self::Mjcf => "mjcf",
             Self::Urdf => "urdf",
             Self::Snapshot => "snapshot",
+            Self::Recording => "recording",
         }
     }
 }
 
 /// How far an input came.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Outcome {
     /// Refused with an error, as it should be.
     Refused,
     /// Right, but too large to be tried here.
     TooLarge,
-    /// A world was built and stepped.
+    /// A world was built and stepped, or every frame of a recording was read.
     Stepped,
 }
 
@@ -68,6 +72,10 @@ pub fn check(target: Target, data: &[u8]) -> Outcome {
     if target == Target::Snapshot {
         return World::restore(data).map_or(Outcome::Refused, step);
     }
+    if target == Target::Recording {
+        // Once as it is, once with right checksums: else nothing wrong would get past them.
+        return read(data).max(read(&with_right_checksums(data)));
+    }
     let Ok(text) = std::str::from_utf8(data) else { return Outcome::Refused };
     let options = ImportOptions { ground: true, ..ImportOptions::default() };
     // Nothing is there: assets that a mutated model names are not found.
@@ -76,7 +84,7 @@ pub fn check(target: Target, data: &[u8]) -> Outcome {
         Target::SceneJson => SceneFile::from_json(text, "fuzz.json").ok(),
         Target::Mjcf => models::import_mjcf_str(text, here, &options).ok().map(|import| import.scene),
         Target::Urdf => models::import_urdf_str(text, here, &options).ok().map(|import| import.scene),
-        Target::Snapshot => None,
+        Target::Snapshot | Target::Recording => None,
     };
     let Some(scene) = scene else { return Outcome::Refused };
     if is_too_large(&scene) {
@@ -85,6 +93,32 @@ pub fn check(target: Target, data: &[u8]) -> Outcome {
     let Ok(built) = scene.build() else { return Outcome::Refused };
     assert_rewrites(scene);
     step(built.world)
+}
+
+/// Reads all frames of a recording.
+fn read(data: &[u8]) -> Outcome {
+    let Ok((recording, _)) = Recording::recover(data) else { return Outcome::Refused };
+    for frame in 0..recording.len() {
+        let frame = recording.frame(frame).expect("it is within the recording");
+        assert_eq!(frame.bodies.len(), recording.scene().bodies.len(), "a record for each body");
+    }
+    Outcome::Stepped
+}
+
+/// As `docs/recording-format.md` lays them out: after a head of 16 bytes, chunks of tag, length, content, checksum.
+fn with_right_checksums(data: &[u8]) -> Vec<u8> {
+    let mut data = data.to_vec();
+    let mut mend = |from: usize, to: usize| {
+        let sum = crc32fast::hash(data.get(from..to)?).to_le_bytes();
+        data.get_mut(to..to + 4)?.copy_from_slice(&sum);
+        let length = data.get(to + 8..to + 12)?;
+        Some(u32::from_le_bytes([length[0], length[1], length[2], length[3]]) as usize)
+    };
+    let (mut from, mut to) = (0, 12);
+    while let Some(length) = mend(from, to) {
+        (from, to) = (to + 4, to + 12 + length);
+    }
+    data
 }
 
 fn step(mut world: World) -> Outcome {

@@ -14,7 +14,7 @@ const HELP: &str = "usage: cargo xtask fuzz [--seed N] [--iterations N | --secon
   --iterations N  that many cases; default 10000
   --seconds S     as many cases as fit
   --case N        only this case, as named by a failure
-  --target NAME   only scene_json, mjcf, urdf or snapshot";
+  --target NAME   only scene_json, mjcf, urdf, snapshot or recording";
 
 /// A case that takes longer hangs.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -163,7 +163,7 @@ fn input_of(seed: u64, case: u64, seeds: &[Seed]) -> (&Seed, Vec<u8>) {
         good = &seeds[random.below(seeds.len())];
     }
     let input = match good.target {
-        Target::Snapshot => mutate::bytes(&mut random, &good.data),
+        Target::Snapshot | Target::Recording => mutate::bytes(&mut random, &good.data),
         Target::SceneJson if random.below(10) > 0 => match serde_json::from_slice(&good.data) {
             Ok(tree) => mutate::json(&mut random, &tree).into_bytes(),
             // An input that is wrong on purpose.

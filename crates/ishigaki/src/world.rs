@@ -79,6 +79,12 @@ impl JointState {
         self.torque
     }
 
+    /// The joint's frame on A and on B, each in the axes of its body and from its center of mass, m.
+    pub fn frames_from_centers(&self) -> [Pose; 2] {
+        let joint = &self.resolved;
+        [Pose::from_parts(joint.anchor_a, joint.frame_a), Pose::from_parts(joint.anchor_b, joint.frame_b)]
+    }
+
     /// Coordinates: angle (hinge, rad), displacement (slider, m), distance (m), or the generic joint's free
     /// coordinates, linear first; empty for fixed joints.
     pub fn coordinates(&self) -> &[f32] {
