@@ -15,6 +15,7 @@ pub mod event;
 pub mod handle;
 pub mod hooks;
 mod island;
+pub mod lcp;
 pub mod mass;
 pub mod math;
 mod measure;

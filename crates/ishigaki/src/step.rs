@@ -80,7 +80,7 @@ impl World {
     }
 
     /// Forgets the last step; refuses a Δt that is no Δt; takes out bodies that are not finite, slows the too fast.
-    fn begin(&mut self, dt: f32) -> bool {
+    pub(crate) fn begin(&mut self, dt: f32) -> bool {
         let mut residuals = std::mem::take(&mut self.report.residual_by_sweep);
         residuals.clear();
         self.report = StepReport { residual_by_sweep: residuals, ..StepReport::default() };
@@ -105,7 +105,7 @@ impl World {
     }
 
     /// Velocities of kinematic bodies from their targets; gravity and user forces act in each substep.
-    fn gather_forces(&mut self, dt: f32) {
+    pub(crate) fn gather_forces(&mut self, dt: f32) {
         let (max_speed, max_angular_speed) = self.speed_limits();
         for (_, body) in self.bodies.iter_mut() {
             body.aim_at_target(dt);

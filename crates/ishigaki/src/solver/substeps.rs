@@ -39,16 +39,7 @@ impl World {
     }
 
     fn substep(&mut self, plan: &mut Plan, dt: f32, h: f32, substep: u32) {
-        if substep > 0 {
-            self.refresh_joint_rows(plan, dt);
-        }
-        self.apply_forces(plan, h);
-        refresh_masses(plan);
-        let gaps = self.refresh_contact_biases(plan, h);
-        if gaps.any_bounce && self.options.solver.restitution.enabled {
-            self.resolve_impacts(plan, h);
-        }
-
+        self.prepare_substep(plan, dt, substep);
         self.start_warm(plan, substep);
         self.velocity_sweeps(plan);
         self.commit_velocities(plan);
@@ -59,6 +50,20 @@ impl World {
         }
         for row in &mut plan.rows {
             row.total_lambda += row.lambda;
+        }
+    }
+
+    /// All that comes before the impulses of a substep: rows of joints anew, forces, masses, biases, impacts.
+    pub(crate) fn prepare_substep(&mut self, plan: &mut Plan, dt: f32, substep: u32) {
+        let h = dt / self.options.solver.substeps as f32;
+        if substep > 0 {
+            self.refresh_joint_rows(plan, dt);
+        }
+        self.apply_forces(plan, h);
+        refresh_masses(plan);
+        let gaps = self.refresh_contact_biases(plan, h);
+        if gaps.any_bounce && self.options.solver.restitution.enabled {
+            self.resolve_impacts(plan, h);
         }
     }
 
