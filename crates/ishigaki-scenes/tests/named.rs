@@ -199,6 +199,35 @@ fn the_meter_sees_what_stands() {
     assert!(seen.drift > 0.5 && seen.greatest_move >= seen.drift, "{seen:?}");
 }
 
+/// Neighbors in a row touch, each box above the ground touches two below: base + 3 base (base − 1)/2 pairs.
+#[test]
+fn a_pyramid_has_as_many_manifolds_as_it_should() {
+    let (_, mut scene) = scene("pyramid", &[("base", 100.0)]);
+    assert_eq!(scene.world.step(scene.dt).contacts, 14_950);
+}
+
+/// One in, one out, for ten seconds: nine times a ball rises to the height from which the first one fell.
+#[test]
+fn a_cradle_goes_on() {
+    let (_, mut scene) = scene("newtons_cradle", &[]);
+    let height = |scene: &Scene, k: usize| {
+        f64::from(scene.world.body(scene.body(&format!("body{k}")).unwrap()).unwrap().center().y) - 1.0
+    };
+    let start = height(&scene, 1);
+    let (mut peaks, mut before) = (Vec::new(), [start, start]);
+    while scene.world.time() < 10.0 {
+        scene.world.step(scene.dt);
+        let outer = height(&scene, 1).max(height(&scene, 5));
+        if before[1] > before[0] && before[1] > outer && before[1] > 0.5 * start {
+            peaks.push(before[1] / start);
+        }
+        before = [before[1], outer];
+        assert!((2..=4).all(|k| height(&scene, k) < 1e-3 * start), "a middle ball moved at {} s", scene.world.time());
+    }
+    eprintln!("cradle: {peaks:.4?} of the height");
+    assert!(peaks.len() == 9 && peaks.iter().all(|peak| (peak - 1.0).abs() < 0.02), "{peaks:?}");
+}
+
 /// A fixed scale under boxes at rest reads their weight.
 #[test]
 fn a_scale_reads_the_weight() {
