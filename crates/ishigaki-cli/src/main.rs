@@ -3,6 +3,7 @@
 //! Results go to stdout or to files, everything else to stderr. Exit code 2: the input is wrong and the message
 //! says where; 1: anything else went wrong (a disk, a body that is no longer finite); 130: interrupted.
 
+mod experiment;
 mod failure;
 mod number;
 mod options;
@@ -35,6 +36,8 @@ enum Command {
     Run(run::Run),
     /// Show a recording in a browser; without one, the engine live in the page.
     View(view::View),
+    /// Put the claims of the talk to the test: plots, data and verdicts.
+    Experiment(experiment::RunExperiment),
     /// List the named scenes, or write one as a scene file.
     Scenes(scenes::Scenes),
     /// List every option of the engine with its default, as `run --set` takes it.
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(run) => run.execute(),
         Command::View(view) => view.execute(),
+        Command::Experiment(experiment) => experiment.execute(),
         Command::Scenes(scenes) => scenes.execute(),
         Command::Options => options::execute(),
     };
