@@ -9,6 +9,7 @@ mod number;
 mod options;
 mod output;
 mod page;
+mod picture;
 mod progress;
 mod recordings;
 mod run;
@@ -34,6 +35,8 @@ struct Arguments {
 enum Command {
     /// Run a scene and report times, contacts, errors and energies.
     Run(run::Run),
+    /// Draw a frame of a recording as PNG.
+    Picture(picture::Picture),
     /// Show a recording in a browser; without one, the engine live in the page.
     View(view::View),
     /// Put the claims of the talk to the test: plots, data and verdicts.
@@ -47,6 +50,7 @@ enum Command {
 fn main() -> ExitCode {
     let done = match Arguments::parse().command {
         Command::Run(run) => run.execute(),
+        Command::Picture(picture) => picture.execute(),
         Command::View(view) => view.execute(),
         Command::Experiment(experiment) => experiment.execute(),
         Command::Scenes(scenes) => scenes.execute(),

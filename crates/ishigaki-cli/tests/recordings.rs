@@ -176,3 +176,58 @@ fn html_is_the_page_with_the_recording_inside() {
     flate2::read::GzDecoder::new(&zipped[..]).read_to_end(&mut bytes).unwrap();
     assert!(bytes == std::fs::read(folder.path().join("out.ishi")).unwrap());
 }
+
+/// Width and height of a PNG.
+fn png_size(path: &Path) -> (u32, u32) {
+    let bytes = std::fs::read(path).unwrap();
+    assert_eq!(&bytes[..8], b"\x89PNG\r\n\x1a\n");
+    let number = |at: usize| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap());
+    (number(16), number(20))
+}
+
+#[test]
+fn pictures_of_frames_and_times() {
+    let folder = Folder::with_small("picture");
+    folder.ok(&["run", "small.json", "--quiet", "--steps", "30", "--record", "a.ishi", "--record-contacts"]);
+    let draw = |name: &str, more: &[&str]| {
+        let arguments = [&["picture", "a.ishi", "--png", name, "--size", "80x45", "--samples", "1"], more].concat();
+        assert_eq!(folder.ok(&arguments), "");
+        assert_eq!(png_size(&folder.path().join(name)), (80, 45));
+        std::fs::read(folder.path().join(name)).unwrap()
+    };
+    let (last, start) = (draw("last.png", &[]), draw("start.png", &["--frame", "0"]));
+    assert!(last != start, "things fell");
+    assert!(draw("b.png", &["--frame", "30"]) == last);
+    assert!(draw("b.png", &["--time", "99"]) == last);
+    assert!(draw("b.png", &["--time", "0"]) == start);
+    assert!(draw("b.png", &["--contacts"]) != last);
+    assert!(draw("b.png", &["--camera", "-5,3,8:0,1,0"]) != last);
+    assert!(draw("b.png", &["--color", "island"]) != last);
+}
+
+#[test]
+fn wrong_ways_to_draw() {
+    let folder = Folder::with_small("picture_wrong");
+    folder.ok(&["run", "small.json", "--quiet", "--steps", "5", "--record", "a.ishi"]);
+    for (more, words) in [
+        (&["--frame", "6"][..], &["--frame 6", "0 to 5"][..]),
+        (&["--contacts"], &["--record-contacts"]),
+        (&["--size", "0x5"], &["WIDTHxHEIGHT"]),
+        (&["--size", "wide"], &["WIDTHxHEIGHT"]),
+        (&["--camera", "1,2:3"], &["4,2,6:0,1,0"]),
+        (&["--camera", "1,2,3:1,2,3"], &["another point"]),
+        (&["--color", "mood"], &["name, height, island or state"]),
+        (&["--samples", "99"], &["99"]),
+        (&["--frame", "1", "--time", "1"], &["--time"]),
+        (&["--png", "no/such/b.png"], &["no/such/b.png"]),
+    ] {
+        let png: &[&str] = if more.contains(&"--png") { &[] } else { &["--png", "b.png"] };
+        let output = folder.run(&[&["picture", "a.ishi"], png, more].concat());
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {message}");
+        words.iter().for_each(|word| assert!(message.contains(word), "{more:?}: {message}"));
+        assert_eq!(folder.files(), ["a.ishi", "small.json"], "nothing is left behind");
+    }
+    let output = folder.run(&["picture", "small.json", "--png", "b.png"]);
+    assert!(stderr(&output).contains("not a recording"), "{}", stderr(&output));
+}
