@@ -56,15 +56,29 @@ pub fn import(path: &Path, options: &ImportOptions) -> Result<Import, SceneError
         std::fs::read_to_string(path).map_err(|e| SceneError::File { path: name.clone(), message: e.to_string() })?;
     let base = path.parent().unwrap_or(Path::new("."));
     let file = path.file_name().map_or_else(|| name.clone(), |f| f.to_string_lossy().into_owned());
+    read(&text, &name, &file, base, options)
+}
+
+/// Reads the text of a model, MJCF or URDF by its root element; `name` is what errors call it, `base_dir` is where
+/// included files and assets are.
+///
+/// # Errors
+/// Text that is neither of the two; all that [`import_mjcf_str`] and [`import_urdf_str`] refuse.
+pub fn import_text(name: &str, text: &str, base_dir: &Path, options: &ImportOptions) -> Result<Import, SceneError> {
+    read(text, name, name, base_dir, options)
+}
+
+/// Errors about the whole text name `path`, those in it `file`.
+fn read(text: &str, path: &str, file: &str, base: &Path, options: &ImportOptions) -> Result<Import, SceneError> {
     // Well-formed or not, the root's tag says what was meant; the reader names what is wrong.
-    match root_tag(&text) {
-        Some("mujoco") => crate::mjcf::import(&text, &file, base, options),
-        Some("robot") => crate::urdf::import(&text, &file, base, options),
+    match root_tag(text) {
+        Some("mujoco") => crate::mjcf::import(text, file, base, options),
+        Some("robot") => crate::urdf::import(text, file, base, options),
         Some(other) => {
             let message = format!("the root element is <{other}>: MJCF has <mujoco>, URDF has <robot>");
-            Err(SceneError::invalid(name, message))
+            Err(SceneError::invalid(path, message))
         }
-        None => Err(SceneError::invalid(name, "is not XML: MJCF has the root element <mujoco>, URDF has <robot>")),
+        None => Err(SceneError::invalid(path, "is not XML: MJCF has the root element <mujoco>, URDF has <robot>")),
     }
 }
 
