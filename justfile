@@ -11,6 +11,10 @@ wall:
 test:
     cargo xtask test
 
+# The browser page into web/dist: the engine as wasm, the live testbed, the replay player.
+web:
+    cargo xtask web
+
 # What CI checks before the tests.
 lint:
     cargo fmt --all --check

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what the tests need beyond stable Rust: imported models, Miri, valgrind, and the licence checker.
+# Installs what the tests need beyond stable Rust: imported models, Miri, valgrind, Chromium, the wasm target, and the
+# licence checker.
 # Safe to run again: what is there is left alone. Usage: bash scripts/ci-setup.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -25,12 +26,23 @@ if ! cargo +nightly miri --version >/dev/null 2>&1 ||
   rustup +nightly component add miri rust-src || fail "cannot install Miri: rustup +nightly component add miri rust-src"
 fi
 
-# valgrind counts instructions where clocks are noisy.
-if ! command -v valgrind >/dev/null; then
-  command -v apt-get >/dev/null || fail "no valgrind: install it with the system's package manager"
+# System packages: valgrind counts instructions where clocks are noisy; Chromium shows the page to its tests.
+packages=()
+command -v valgrind >/dev/null || packages+=(valgrind)
+command -v chromium >/dev/null || packages+=(chromium)
+if ((${#packages[@]})); then
+  command -v apt-get >/dev/null || fail "no ${packages[*]}: install with the system's package manager"
   as_root=()
   [[ $(id -u) == 0 ]] || as_root=(sudo)
-  "${as_root[@]}" apt-get update -qq && "${as_root[@]}" apt-get install -y -qq valgrind >/dev/null || fail "cannot install valgrind"
+  "${as_root[@]}" apt-get update -qq && "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${packages[@]}" >/dev/null ||
+    fail "cannot install ${packages[*]}"
+fi
+
+# The page: the engine as wasm, and Node.js. `cargo xtask web` fetches the packages of package-lock.json by itself.
+command -v npm >/dev/null || fail "no npm: install Node.js 20 or later"
+if [[ ! -d "$(rustc --print sysroot)/lib/rustlib/wasm32-unknown-unknown" ]]; then
+  command -v rustup >/dev/null || fail "no rustup: the wasm target is missing"
+  rustup target add wasm32-unknown-unknown || fail "cannot install the wasm target: rustup target add wasm32-unknown-unknown"
 fi
 
 # cargo-deny, prebuilt: compiling it takes longer than all tests.

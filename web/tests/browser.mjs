@@ -27,7 +27,7 @@ export async function launch() {
   });
 }
 
-const TYPES = { html: 'text/html; charset=utf-8', json: 'application/json', ishi: 'application/octet-stream' };
+const TYPES = { json: 'application/json', ishi: 'application/octet-stream' };
 
 /** Serves web/dist and `extra` (path to bytes) on loopback; anything else is 404. */
 export async function serve(extra = {}) {
@@ -35,7 +35,7 @@ export async function serve(extra = {}) {
     const path = decodeURIComponent(new URL(request.url, 'http://x').pathname).replace(/^\/$/, '/index.html');
     const file = new URL(`../dist${path}`, import.meta.url);
     const body = extra[path] ?? (!path.includes('..') && existsSync(file) ? readFileSync(file) : null);
-    response.writeHead(body ? 200 : 404, { 'content-type': TYPES[path.split('.').at(-1)] ?? 'text/plain' });
+    response.writeHead(body ? 200 : 404, { 'content-type': TYPES[path.split('.').at(-1)] ?? 'text/html; charset=utf-8' });
     response.end(body ?? 'not found');
   });
   await new Promise((done) => server.listen(0, '127.0.0.1', done));

@@ -4,6 +4,7 @@
 //! by `ISHIGAKI_SKIP_LOG`, unless its kind is in `ISHIGAKI_REQUIRE`: then a skip is a failure.
 
 use crate::run::{cargo, execute, root, target_directory};
+use crate::web;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
@@ -14,6 +15,11 @@ pub fn run() -> Result<(), String> {
     fs::write(&log, "").map_err(|e| format!("{}: {e}", log.display()))?;
 
     let mut failures = Vec::new();
+    // First: the command line has the page inside, and its tests look at it.
+    match web::missing().or_else(web::browser_missing) {
+        None => failures.extend(web::build().err()),
+        Some(why) => skip(&log, &format!("SKIPPED web: {why}"))?,
+    }
     let mut suite = |title: &str, toolchain: Option<&str>, arguments: &[&str], environment: &[(&str, &str)]| {
         let mut command = cargo(toolchain, arguments);
         command.env("ISHIGAKI_SKIP_LOG", &log).envs(environment.iter().copied());
@@ -33,6 +39,10 @@ pub fn run() -> Result<(), String> {
             suite("miri", Some("nightly"), &miri, &[("MIRIFLAGS", "-Zmiri-strict-provenance")]);
         }
         Some(why) => skip(&log, &format!("SKIPPED miri: {why}"))?,
+    }
+
+    if web::missing().or_else(web::browser_missing).is_none() {
+        failures.extend(web::test().err());
     }
 
     let text = fs::read_to_string(&log).map_err(|e| format!("{}: {e}", log.display()))?;

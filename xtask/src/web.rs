@@ -20,7 +20,35 @@ pub fn build() -> Result<(), String> {
     if is_older(&web.join("node_modules/.package-lock.json"), &web.join("package-lock.json")) {
         execute("npm ci", npm(&["ci", "--no-audit", "--no-fund", "--loglevel=error"]).current_dir(&web))?;
     }
-    execute("npm run build", npm(&["run", "--silent", "build"]).current_dir(&web))
+    execute("npm run build", npm(&["run", "--silent", "build"]).current_dir(&web))?;
+    // Cargo watches the files that it was told of, and the page was not there when the command line was built last.
+    let script = root().join("crates/ishigaki-cli/build.rs");
+    let touched = fs::File::options().append(true).open(&script).and_then(|file| file.set_modified(now()));
+    touched.map_err(|e| format!("{}: {e}", script.display()))
+}
+
+/// The page in a real browser, and the bits of the engine in it against those of the native program.
+pub fn test() -> Result<(), String> {
+    let build = ["build", "--quiet", "--package", "ishigaki-cli"];
+    execute("native program for the page's tests", &mut cargo(None, &build))?;
+    let program = target_directory().join("debug").join(format!("ishigaki{}", std::env::consts::EXE_SUFFIX));
+    let mut tests = npm(&["test", "--silent"]);
+    execute("web", tests.env("ISHIGAKI_BIN", program).current_dir(root().join("web")))
+}
+
+/// Why the page cannot be tested, or `None`.
+pub fn browser_missing() -> Option<String> {
+    let named = std::env::var_os("CHROMIUM").map(PathBuf::from);
+    let usual = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].map(PathBuf::from);
+    if named.into_iter().chain(usual).any(|path| path.exists()) {
+        return None;
+    }
+    Some("no Chromium: `apt-get install chromium`, or name one in CHROMIUM".into())
+}
+
+#[expect(clippy::disallowed_methods, reason = "the ban is the engine's")]
+fn now() -> std::time::SystemTime {
+    std::time::SystemTime::now()
 }
 
 /// The engine, and the module that loads it, into `web/generated`.

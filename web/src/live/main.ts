@@ -25,8 +25,9 @@ const KEYS: [key: string, does: string][] = [
   ['?', 'this list'],
 ];
 
-/** Left side: every technique off. Right side: the same with weight amplification. */
-const PICTURE: Changes[] = [[['solver', 'plain']], [['solver', 'plain'], ['solver.weight_amplification.enabled', 'true']]];
+/** The talk's techniques in a single substep, without weight amplification and with it: a tower falls, and stands. */
+const ONE_SUBSTEP: Changes = [['solver', 'talk'], ['solver.substeps', '1']];
+const PICTURE: Changes[] = [[...ONE_SUBSTEP, ['solver.weight_amplification.enabled', 'false']], ONE_SUBSTEP];
 
 class Page {
   private readonly engine: Engine;
