@@ -46,7 +46,6 @@ pub fn browser_missing() -> Option<String> {
     Some("no Chromium: `apt-get install chromium`, or name one in CHROMIUM".into())
 }
 
-#[expect(clippy::disallowed_methods, reason = "the ban is the engine's")]
 fn now() -> std::time::SystemTime {
     std::time::SystemTime::now()
 }
