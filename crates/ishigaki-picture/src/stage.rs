@@ -157,8 +157,8 @@ impl Stage {
         self.planes.push(Plane { normal, offset, axes: (first, normal.cross(first)), color });
     }
 
-    /// An arrow for each contact that carries: the push on the lighter body, as long as its impulse says; the
-    /// longest is `longest`.
+    /// An arrow for each contact that carries: the push on the lighter body (on the upper one of equals), as long as its
+    /// impulse says; the longest is `longest`.
     fn add_arrows(&mut self, scene: &Scene, contacts: &[Contact], longest: f32) {
         let most = contacts.iter().map(|c| c.impulse).filter(|λ| λ.is_finite()).fold(0.0, f32::max);
         let radius = 0.022 * longest;
@@ -171,7 +171,10 @@ impl Stage {
             }
             let half = 0.5 * longest * share;
             // λ pushes A along the normal.
-            let push = if mass(contact.body_a) <= mass(contact.body_b) { contact.normal } else { -contact.normal };
+            let (a, b) = (mass(contact.body_a), mass(contact.body_b));
+            let alike = (a - b).abs() <= 0.01 * a.min(b);
+            let toward_a = if alike { contact.normal.dot(scene.up) >= 0.0 } else { a < b };
+            let push = if toward_a { contact.normal } else { -contact.normal };
             let rotation = Quat::from_rotation_arc(Vec3::Y, push.try_normalize().unwrap_or(Vec3::Y));
             for (geometry, along) in [
                 (Geometry::Capsule { half_length: half, radius: 0.5 * radius }, half),
