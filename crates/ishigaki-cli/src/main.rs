@@ -5,6 +5,8 @@
 
 mod experiment;
 mod failure;
+mod lcp;
+mod lcp_file;
 mod number;
 mod options;
 mod output;
@@ -41,6 +43,8 @@ enum Command {
     View(view::View),
     /// Put the claims of the talk to the test: plots, data and verdicts.
     Experiment(experiment::RunExperiment),
+    /// Solve a box LCP, such as `run --export-lcp` writes, with a method of the laboratory.
+    Lcp(lcp::Lcp),
     /// List the named scenes, or write one as a scene file.
     Scenes(scenes::Scenes),
     /// List every option of the engine with its default, as `run --set` takes it.
@@ -53,6 +57,7 @@ fn main() -> ExitCode {
         Command::Picture(picture) => picture.execute(),
         Command::View(view) => view.execute(),
         Command::Experiment(experiment) => experiment.execute(),
+        Command::Lcp(lcp) => lcp.execute(),
         Command::Scenes(scenes) => scenes.execute(),
         Command::Options => options::execute(),
     };

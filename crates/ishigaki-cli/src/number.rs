@@ -11,6 +11,14 @@ pub fn steps(text: &str) -> Result<u64, String> {
     }
 }
 
+/// `STEP:FILE`.
+pub fn step_and_file(text: &str) -> Result<(u64, std::path::PathBuf), String> {
+    match text.split_once(':') {
+        Some((step, file)) if !file.is_empty() => Ok((steps(step).map_err(|e| format!("the step {e}"))?, file.into())),
+        _ => Err("must be STEP:FILE, such as 30:step30.json".into()),
+    }
+}
+
 /// Length of a step, s.
 pub fn time_step(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {

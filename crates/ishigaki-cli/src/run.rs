@@ -52,6 +52,9 @@ pub struct Run {
     /// Write a snapshot of the world after the last step.
     #[arg(long, value_name = "FILE.snap")]
     snapshot: Option<PathBuf>,
+    /// Write the box LCP of a step, before it is taken, as a file for `ishigaki lcp`.
+    #[arg(long, value_name = "STEP:FILE.json", value_parser = number::step_and_file, allow_hyphen_values = true)]
+    export_lcp: Option<(u64, PathBuf)>,
     /// Continue from a snapshot, bit for bit; with SCENE, check that it is one of that scene.
     #[arg(long, value_name = "FILE.snap")]
     from: Option<PathBuf>,

@@ -31,9 +31,11 @@
 
 mod block_projected_gauss_seidel;
 mod box_lcp;
+mod coulomb;
 mod dantzig;
 mod elimination;
 mod export;
+mod friction_contact;
 mod gauss_seidel;
 mod jacobi;
 mod lemke;
@@ -46,8 +48,10 @@ mod stewart_trinkle;
 
 pub use block_projected_gauss_seidel::block_projected_gauss_seidel;
 pub use box_lcp::{BoxLcp, Friction};
+pub use coulomb::ContactSolution;
 pub use dantzig::dantzig;
 pub use export::{ExportedLcp, RowKind, RowLabel};
+pub use friction_contact::FrictionContact;
 pub use gauss_seidel::gauss_seidel;
 pub use jacobi::{jacobi, projected_jacobi};
 pub use lemke::lemke;

@@ -50,6 +50,11 @@ pub fn box_stack(boxes: usize, seed: u64) -> (BoxLcp, Matrix, Vec<f64>) {
     (BoxLcp::new(a, j.times(&u), vec![0.0; n], vec![INFINITE; n]).unwrap(), j, u)
 }
 
+pub fn unbounded(a: Matrix, b: Vec<f64>) -> BoxLcp {
+    let n = b.len();
+    BoxLcp::new(a, b, vec![-INFINITE; n], vec![INFINITE; n]).unwrap()
+}
+
 pub fn contacts(rows: &[&[f64]], b: &[f64]) -> BoxLcp {
     let n = b.len();
     let a = Matrix::from_fn(n, n, |i, j| rows[i][j]);
