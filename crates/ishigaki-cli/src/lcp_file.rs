@@ -11,9 +11,8 @@ use ishigaki::World;
 use ishigaki::lcp::{BoxLcp, Friction, Matrix};
 use serde_json::{Map, Value, json};
 use std::io::Write;
+use std::path::Path;
 
-/// Rows beyond this would not fit the memory of most machines.
-const MOST_ROWS: usize = 20_000;
 const KNOWN: [&str; 10] = ["a", "b", "lower", "upper", "mu_of", "mu", "disk", "group", "start", "labels"];
 
 /// A problem and what a file says beside it.
@@ -99,9 +98,6 @@ fn matrix(rows: &[Value], n: usize) -> Result<Matrix, String> {
     if rows.len() != n {
         return Err(format!("a: must have {n} rows, as many as b has entries, has {}", rows.len()));
     }
-    if n > MOST_ROWS {
-        return Err(format!("a: has {n} rows; at most {MOST_ROWS} are solved densely"));
-    }
     for (i, row) in rows.iter().enumerate() {
         match row {
             Value::Array(row) if row.len() == n => {}
@@ -152,10 +148,34 @@ fn friction(fields: &Map<String, Value>, n: usize) -> Result<Option<Vec<Option<F
     (0..n).map(row).collect::<Result<Vec<_>, String>>().map(Some)
 }
 
-/// Writes the problem of the step that `world` would take next.
-pub fn export(world: &World, dt: f32, mut file: AtomicFile) -> Result<(), Failure> {
+/// `run --export-lcp`: one step of a run, before it is taken.
+pub struct LcpExport {
+    step: u64,
+    file: Option<AtomicFile>,
+}
+
+impl LcpExport {
+    /// Refuses a step that the run does not reach, and a file that cannot be written.
+    pub fn create(step: u64, path: &Path, steps: u64) -> Result<Self, Failure> {
+        if step > steps {
+            let message = format!("--export-lcp: step {step} is beyond the run, which has {steps} steps");
+            return Err(Failure::input(message));
+        }
+        Ok(Self { step, file: Some(AtomicFile::create(path)?) })
+    }
+
+    /// To be called before each step, with its number.
+    pub fn before(&mut self, step: u64, world: &World, dt: f32) -> Result<(), Failure> {
+        match self.file.take_if(|_| step == self.step) {
+            Some(file) => write(world, dt, file),
+            None => Ok(()),
+        }
+    }
+}
+
+fn write(world: &World, dt: f32, mut file: AtomicFile) -> Result<(), Failure> {
     let shown = file.path().display().to_string();
-    let export = world.export_lcp(dt).other_at(&shown)?;
+    let export = world.export_lcp(dt).input_at("--export-lcp")?;
     let problem = &export.problem;
     let n = problem.len();
     let finite = |x: &f64| if x.is_finite() { json!(x) } else { Value::Null };

@@ -1,6 +1,7 @@
 //! `ishigaki run`: steps a scene and says what happened.
 
 use crate::failure::{At, Failure, INTERRUPTED};
+use crate::lcp_file::LcpExport;
 use crate::number;
 use crate::output::{self, AtomicFile};
 use crate::progress::{Progress, now};
@@ -93,9 +94,11 @@ impl Run {
         let mut states = self.states.as_deref().map(|path| StateTable::create(path, self.every)).transpose()?;
         let snapshot = self.snapshot.as_deref().map(AtomicFile::create).transpose()?;
 
+        let export = self.export_lcp.as_ref();
+        let mut export = export.map(|(step, path)| LcpExport::create(*step, path, job.steps)).transpose()?;
         let mut films = self.recordings.start(&job.world, &job.name, job.dt, job.camera)?;
 
-        let record = self.advance(&mut job, states.as_mut(), &mut films)?;
+        let record = self.advance(&mut job, states.as_mut(), &mut films, export.as_mut())?;
 
         if let Some(states) = states {
             states.commit()?;
@@ -116,11 +119,13 @@ impl Run {
 
     /// Two results in one file would leave only the later.
     fn check_outputs(&self) -> Result<(), Failure> {
+        let exported = self.export_lcp.as_ref().map(|(_, path)| path.clone());
         let outputs = [
             ("--states", &self.states),
             ("--snapshot", &self.snapshot),
             ("--record", &self.recordings.record),
             ("--html", &self.recordings.html),
+            ("--export-lcp", &exported),
         ];
         for (i, (name, path)) in outputs.iter().enumerate() {
             let same = outputs[i + 1..].iter().find(|(_, other)| path.is_some() && path == other);
@@ -190,6 +195,7 @@ impl Run {
         job: &mut Job,
         mut states: Option<&mut StateTable>,
         films: &mut Films,
+        mut export: Option<&mut LcpExport>,
     ) -> Result<Record, Failure> {
         let interrupted = interrupt_flag()?;
         let mut record = Record::new();
@@ -200,6 +206,9 @@ impl Run {
             states.record(0, &job.world)?;
         }
         for done in 1..=job.steps {
+            if let Some(export) = &mut export {
+                export.before(done, &job.world, job.dt)?;
+            }
             let begin = start.elapsed();
             let report =
                 job.world.step_with(job.dt, &mut StepContext { clock: Some(&mut clock), ..Default::default() });

@@ -4,8 +4,9 @@
 //! opens, r = 0. Else r = −W⁻¹q′ if that is in the cone: it sticks. Else it slides: u_n = 0 and r_t = −u_t/α with α > 0;
 //! with S = W_tt − W_tn W_nt/W_nn and q̃ = q′_t − W_tn q′_n/W_nn it is r_t(α) = −(S + α)⁻¹ q̃, and |r_t| − μ r_n, which is
 //! > 0 at α = 0 and < 0 for large α, has its root found by bisection. *Rows*: the normal by PGS, then the two tangents by a
-//! step clipped to the disk: cheaper and slower. Either converges for contacts that do not lock each other, and nobody
-//! proves it. Reads sweeps, tolerance (of the natural map), order, seed. Tests: `tests/lcp/friction.rs`.
+//! step clipped to the disk. With strong coupling of normal and tangents a contact may have several exact solutions, and
+//! blocks then jump between them for ever; `relaxation` < 1 ends it. Reads sweeps, tolerance (of the natural map), relaxation
+//! (at most 1), order, seed. Tests: `tests/lcp/friction_contact.rs`.
 
 use crate::lcp::box_lcp::clip_to_disk;
 use crate::lcp::friction_contact::FrictionContact;
@@ -63,7 +64,9 @@ impl FrictionContact {
             let before = reaction.clone();
             arrange(settings.order, errors.len(), &mut random, &mut order);
             for &contact in &order {
-                reaction[contact] = visit(contact, self.velocity_of(contact, &reaction), reaction[contact]);
+                let (u, r) = (self.velocity_of(contact, &reaction), reaction[contact]);
+                // Between two points of a cone: in the cone.
+                reaction[contact] = r + settings.relaxation.min(1.0) * (visit(contact, u, r) - r);
             }
             let next = self.error(&reaction, &self.velocity(&reaction));
             if !next.is_finite() {

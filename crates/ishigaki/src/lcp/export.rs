@@ -15,6 +15,9 @@ use crate::solver::table::{Row, SolverBody};
 use crate::world::World;
 use glam::{DMat3, DVec3};
 
+/// A dense matrix of more rows is a gigabyte.
+const MOST_ROWS: usize = 10_000;
+
 /// What a row of an exported problem is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RowKind {
@@ -70,10 +73,16 @@ impl World {
     /// stages up to its first sweep. Islands that sleep have no rows.
     ///
     /// # Errors
-    /// A `dt` that [`step`](World::step) would refuse; numbers that ran out of f32, with the row named.
+    /// A `dt` that [`step`](World::step) would refuse; more than 10,000 rows; numbers that ran out of f32, with the row
+    /// named.
     pub fn export_lcp(&self, dt: f32) -> Result<ExportedLcp> {
         let mut world = self.clone();
         let plan = world.plan_first_substep(dt)?;
+        let rows = plan.rows.len();
+        if rows > MOST_ROWS {
+            let message = format!("the step has {rows}; a dense matrix is made of {MOST_ROWS} at most");
+            return Err(Error::invalid("rows", message));
+        }
         let (labels, friction) = (labels(&world, &plan), friction(&plan));
         let (lower, upper) = plan.rows.iter().map(|r| (f64::from(r.lower), f64::from(r.upper))).unzip();
         let warm = &world.options.solver.warm_start;

@@ -5,7 +5,8 @@
 //! lexicographic ratio test: of equal ratios (four points under a box make many) the choice by the rows of B⁻¹ never comes
 //! back to a basis, so that it cannot cycle. If nothing blocks the entering variable, the method ends on a ray: for
 //! positive semidefinite A there is no solution. Exact but for rounding, and it pays: O(n²) a pivot, n…3n pivots, 2ⁿ in
-//! Murty's example. The λ of the last basis is computed anew from A and b, so that the rounding of pivots does not add up.
+//! Murty's example. The λ of the last basis is computed anew from A and b, so that the rounding of pivots does not add up;
+//! if it is wrong all the same, smaller pivots are refused and the method begins again.
 //! Reads sweeps (as pivots; 0 pivots are no method), corners. Tests: `tests/lcp`.
 
 use crate::lcp::box_lcp::BoxLcp;
@@ -14,8 +15,9 @@ use crate::lcp::matrix::Matrix;
 use crate::lcp::settings::{Settings, Solution, Status};
 use crate::lcp::stewart_trinkle::Linear;
 
-/// Entries below this, in a matrix scaled to a diagonal of 1, are rounding.
-const TINY: f64 = 1e-10;
+/// Entries below these, in a matrix scaled to a diagonal of 1, are rounding: of f64 first; then, where a basis comes out
+/// wrong, of problems that have been f32 before, whose four points under a box are dependent only to 1e-7.
+const TINY: [f64; 3] = [1e-9, 1e-7, 1e-5];
 /// Ratios closer than this are ties.
 const TIE: f64 = 1e-12;
 
@@ -40,33 +42,72 @@ pub fn lemke(problem: &BoxLcp, settings: &Settings) -> Solution {
         return Solution::of(problem, problem.cold_start(), residuals, Status::Infeasible);
     };
     let lambda_of = |z: &[f64]| linear.lambda(&reduced.expand(z));
-    let (z, status) = pivot(&reduced.m, &reduced.q, settings.sweeps, |z| {
-        residuals.push(problem.residual(&lambda_of(z)));
-    });
-    let mut lambda = lambda_of(&z);
-    if status == Status::Solved
-        && let Some(refined) = refine(&reduced.m, &reduced.q, &z)
-    {
-        let refined = lambda_of(&refined);
-        if problem.residual(&refined) < problem.residual(&lambda) {
-            lambda = refined;
+    let mut best: Option<Attempt> = None;
+    for tiny in TINY {
+        let left = settings.sweeps.saturating_sub(residuals.len());
+        let watch = |z: &[f64]| residuals.push(problem.residual(&lambda_of(z)));
+        let attempt = Attempt::new(&reduced, tiny, left, watch);
+        if best.as_ref().is_none_or(|best| attempt.is_better_than(best)) {
+            best = Some(attempt);
+        }
+        if best.as_ref().is_some_and(|best| best.is_exact()) || residuals.len() == settings.sweeps {
+            break;
         }
     }
+    let (lambda, status) = match best {
+        Some(best) => (lambda_of(&best.z), best.status()),
+        None => (problem.cold_start(), Status::Limit),
+    };
     if lambda.iter().any(|x| !x.is_finite()) {
         return Solution::of(problem, problem.cold_start(), residuals, Status::Limit);
     }
-    let solution = Solution::of(problem, lambda, residuals, status);
-    let scale = problem.b.iter().chain(&solution.lambda).fold(1.0_f64, |m, x| m.max(x.abs()));
-    let lost = !problem.has_disks() && solution.residual > 1e-6 * scale;
-    if status == Status::Solved && lost {
-        // A basis that rounding made: no solution, and no proof that there is none.
-        return Solution { status: Status::Limit, ..solution };
+    Solution::of(problem, lambda, residuals, status)
+}
+
+/// What pivoting with one idea of rounding came to.
+struct Attempt {
+    z: Vec<f64>,
+    end: Status,
+    /// ‖z − max(0, z − y)‖∞ over the greatest of the numbers in it.
+    error: f64,
+}
+
+impl Attempt {
+    fn new(reduced: &Reduced, tiny: f64, most: usize, watch: impl FnMut(&[f64])) -> Self {
+        let (m, q) = (&reduced.m, &reduced.q);
+        let (mut z, end) = pivot(m, q, tiny, most, watch);
+        let error = |z: &[f64]| {
+            let scale = z.iter().chain(q).fold(1.0_f64, |greatest, x| greatest.max(x.abs()));
+            let change = |i: usize| (z[i] - (z[i] - m.row_times(i, z) - q[i]).max(0.0)).abs();
+            let greatest = (0..z.len()).map(change).fold(0.0_f64, f64::max) / scale;
+            if greatest.is_finite() { greatest } else { f64::INFINITY }
+        };
+        if end == Status::Solved
+            && let Some(refined) = refine(m, q, &z)
+            && error(&refined) < error(&z)
+        {
+            z = refined;
+        }
+        Self { error: error(&z), z, end }
     }
-    solution
+
+    fn is_exact(&self) -> bool {
+        self.end == Status::Solved && self.error < 1e-12
+    }
+
+    fn is_better_than(&self, other: &Self) -> bool {
+        let solved = |a: &Self| a.end == Status::Solved;
+        (solved(self), -self.error) > (solved(other), -other.error)
+    }
+
+    fn status(&self) -> Status {
+        // A basis that rounding made: no solution, and no proof that there is none.
+        if self.end == Status::Solved && self.error > 1e-6 { Status::Limit } else { self.end }
+    }
 }
 
 /// Complementary pivoting on y = M z + q; `watch` sees z after each pivot.
-fn pivot(m: &Matrix, q: &[f64], most: usize, mut watch: impl FnMut(&[f64])) -> (Vec<f64>, Status) {
+fn pivot(m: &Matrix, q: &[f64], tiny: f64, most: usize, mut watch: impl FnMut(&[f64])) -> (Vec<f64>, Status) {
     let n = q.len();
     if q.iter().all(|&q| q >= 0.0) {
         return (vec![0.0; n], Status::Solved);
@@ -81,7 +122,7 @@ fn pivot(m: &Matrix, q: &[f64], most: usize, mut watch: impl FnMut(&[f64])) -> (
             return (tableau.z(), Status::Solved);
         }
         entering = tableau.complement(leaving);
-        match tableau.blocking_row(entering) {
+        match tableau.blocking_row(entering, tiny) {
             Some(next) => row = next,
             None => return (tableau.z(), Status::Infeasible),
         }
@@ -136,9 +177,9 @@ impl Tableau {
     }
 
     /// The row that limits the entering variable, by the lexicographic ratio test; z₀ wherever it is among the first.
-    fn blocking_row(&self, entering: usize) -> Option<usize> {
+    fn blocking_row(&self, entering: usize, tiny: f64) -> Option<usize> {
         let mut best: Option<usize> = None;
-        for i in (0..self.n).filter(|&i| self.t[(i, entering)] > TINY) {
+        for i in (0..self.n).filter(|&i| self.t[(i, entering)] > tiny) {
             best = match best {
                 Some(b) if !self.is_before(i, b, entering) => Some(b),
                 _ => Some(i),

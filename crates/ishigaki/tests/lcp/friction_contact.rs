@@ -30,16 +30,16 @@ fn read(folder: &Path, name: &str) -> FrictionContact {
 }
 
 /// Coulomb's law at each contact, stated without the natural map: open, sticking or sliding. To `tolerance` of the
-/// greatest impulse and velocity.
+/// size of r and u.
 fn assert_coulomb(solution: &ContactSolution, mu: f64, tolerance: f64) {
-    let greatest = |v: &[[f64; 3]]| v.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let (r_scale, u_scale) = (greatest(&solution.reaction), greatest(&solution.velocity).max(1e-3));
+    let norm = |v: &[[f64; 3]]| v.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
+    let scale = norm(&solution.reaction).max(norm(&solution.velocity));
     for (r, u) in solution.reaction.iter().zip(&solution.velocity) {
         let (reach, slide) = (r[1].hypot(r[2]), u[1].hypot(u[2]));
-        assert!(r[0] >= 0.0 && u[0] >= -tolerance * u_scale, "{r:?} {u:?}");
-        assert!(reach <= mu * r[0] + tolerance * r_scale, "{r:?} is out of its cone");
-        assert!(r[0] <= tolerance * r_scale || u[0].abs() <= tolerance * u_scale, "{r:?} pushes at a distance: {u:?}");
-        if slide > 100.0 * tolerance * u_scale && r[0] > 100.0 * tolerance * r_scale {
+        assert!(r[0] >= 0.0 && u[0] >= -tolerance * scale, "{r:?} {u:?}");
+        assert!(reach <= mu * r[0] + tolerance * scale, "{r:?} is out of its cone");
+        assert!(r[0] <= tolerance * scale || u[0].abs() <= tolerance * scale, "{r:?} pushes at a distance: {u:?}");
+        if slide > 100.0 * tolerance * scale && r[0] > 100.0 * tolerance * scale {
             assert!(reach >= 0.99 * mu * r[0], "slides at {slide} below its limit: {r:?} {u:?}");
             let along = if mu == 0.0 { -1.0 } else { (r[1] * u[1] + r[2] * u[2]) / (reach * slide) };
             assert!(along < -0.99, "friction is not against sliding: {r:?} {u:?}");
@@ -50,23 +50,24 @@ fn assert_coulomb(solution: &ContactSolution, mu: f64, tolerance: f64) {
 #[test]
 fn problems_of_other_simulations_are_solved() {
     let Some(folder) = data() else { return };
-    for (name, contacts, mu, tolerance) in [
-        ("OneObject-i100000-499.hdf5.dat", 24, 0.3, 1e-8),
-        ("Capsules-i122-1617.dat", 296, 0.7, 1e-6),
-        ("BoxesStack1-i100000-32.hdf5.dat", 52, 0.7, 1e-6),
+    // The object has contacts with several exact solutions: at full steps blocks jump between them.
+    for (name, contacts, mu, relaxation, tolerance) in [
+        ("OneObject-i100000-499.hdf5.dat", 24, 0.3, 0.5, 1e-8),
+        ("Capsules-i122-1617.dat", 296, 0.7, 1.0, 1e-6),
+        ("BoxesStack1-i100000-32.hdf5.dat", 52, 0.7, 1.0, 5e-5),
     ] {
         let problem = read(&folder, name);
         assert_eq!(problem.len(), contacts);
-        for order in [Order::Fixed, Order::Random] {
-            let settings = Settings { sweeps: 5_000, tolerance, order, ..Settings::default() };
-            let solution = problem.solve_blocks(&settings);
-            eprintln!("{name}, {order:?}: {:.1e} after {} sweeps", solution.error, solution.sweeps);
-            assert_eq!(solution.status, Status::Solved, "{name}: {:e}", solution.error);
+        let settings = Settings { sweeps: 8_000, tolerance, relaxation, ..Settings::default() };
+        for (kind, solution) in [
+            ("blocks", problem.solve_blocks(&settings)),
+            ("blocks, random order", problem.solve_blocks(&Settings { order: Order::Random, ..settings.clone() })),
+            ("rows", problem.solve_rows(&settings)),
+        ] {
+            eprintln!("{name}, {kind}: {:.1e} after {} sweeps", solution.error, solution.sweeps);
+            assert_eq!(solution.status, Status::Solved, "{name}, {kind}: {:e}", solution.error);
             assert_coulomb(&solution, mu, 100.0 * tolerance);
         }
-        let rows = problem.solve_rows(&Settings { sweeps: 200, tolerance, ..Settings::default() });
-        eprintln!("{name}, rows: {:.1e} after {} sweeps", rows.error, rows.sweeps);
-        assert!(rows.error < rows.errors[0], "rows do not get better");
     }
 }
 
