@@ -2,8 +2,8 @@
 //!
 //! Contact by contact, u = W r + q′ with the others' r held in q′. *Blocks*: the one-contact problem exactly. q′_n ≥ 0: it
 //! opens, r = 0. Else r = −W⁻¹q′ if that is in the cone: it sticks. Else it slides: u_n = 0 and r_t = −u_t/α with α > 0;
-//! with S = W_tt − W_tn W_nt/W_nn and q̃ = q′_t − W_tn q′_n/W_nn it is r_t(α) = −(S + α)⁻¹ q̃, and |r_t| − μ r_n, which is
-//! > 0 at α = 0 and < 0 for large α, has its root found by bisection. *Rows*: the normal by PGS, then the two tangents by a
+//! with S = W_tt − W_tn W_nt/W_nn and q̃ = q′_t − W_tn q′_n/W_nn it is r_t(α) = −(S + α)⁻¹ q̃; |r_t| − μ r_n is positive at
+//! α = 0, negative for large α, and its root is found by bisection. *Rows*: the normal by PGS, then the two tangents by a
 //! step clipped to the disk. With strong coupling of normal and tangents a contact may have several exact solutions, and
 //! blocks then jump between them for ever; `relaxation` < 1 ends it. Reads sweeps, tolerance (of the natural map), relaxation
 //! (at most 1), order, seed. Tests: `tests/lcp/friction_contact.rs`.
