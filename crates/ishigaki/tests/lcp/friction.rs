@@ -62,7 +62,11 @@ fn random_contacts(contacts: usize, seed: u64) -> BoxLcp {
     let bound = |i: usize| if i < 3 * contacts { (0.0, INFINITE) } else { (-INFINITE, INFINITE) };
     let (lower, upper) = (0..n).map(bound).unzip();
     let friction = |i: usize| {
-        (i < 3 * contacts && i % 3 != 0).then(|| Friction { normals: vec![i - i % 3], coefficient: 0.4, partner: None })
+        (i < 3 * contacts && !i.is_multiple_of(3)).then(|| Friction {
+            normals: vec![i - i % 3],
+            coefficient: 0.4,
+            partner: None,
+        })
     };
     BoxLcp::new(a, b, lower, upper).unwrap().with_friction((0..n).map(friction).collect()).unwrap()
 }
