@@ -13,6 +13,8 @@ pub enum Mark {
     Dotted,
     /// Points alone.
     Points,
+    /// A dashed line in the color of the series before it: what was predicted for it.
+    Law,
 }
 
 /// Points with a name.
@@ -36,7 +38,7 @@ pub struct Level {
 }
 
 /// What a chart shows.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum Content {
     /// Curves over a number.
     Curves(Vec<Series>),
@@ -47,7 +49,7 @@ pub enum Content {
         /// A name and as many values as `names`.
         groups: Vec<(String, Vec<f64>)>,
     },
-    /// A table whose cells are colored by their value: light is good.
+    /// A table whose cells are colored by their value: the darker, the worse.
     Table {
         /// Of the rows, from the top.
         rows: Vec<String>,
@@ -55,11 +57,13 @@ pub enum Content {
         columns: Vec<String>,
         /// Value and text of each cell, row by row.
         cells: Vec<Vec<(f64, String)>>,
+        /// From a value to how dark its cell is; only the order and the ratios of distances count.
+        shade: fn(f64) -> f64,
     },
 }
 
 /// One chart of an experiment's plot.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Chart {
     pub(crate) title: String,
     pub(crate) x_label: String,
@@ -103,7 +107,7 @@ impl Chart {
         columns: impl IntoIterator<Item = S>,
     ) -> Self {
         let columns = columns.into_iter().map(Into::into).collect();
-        Self::new(title, "", value_label, Content::Table { rows: Vec::new(), columns, cells: Vec::new() })
+        Self::new(title, "", value_label, Content::Table { rows: Vec::new(), columns, cells: Vec::new(), shade: |v| v })
     }
 
     /// Both axes of curves, or the values of bars, are logarithmic where the argument says so.
@@ -151,7 +155,16 @@ impl Chart {
         self
     }
 
-    /// A row of a table: value (for the color) and text of each cell.
+    /// How dark a cell of a table is, from its value.
+    #[must_use]
+    pub fn shade(mut self, darkness: fn(f64) -> f64) -> Self {
+        if let Content::Table { shade, .. } = &mut self.content {
+            *shade = darkness;
+        }
+        self
+    }
+
+    /// A row of a table: value and text of each cell.
     #[must_use]
     pub fn row(mut self, name: impl Into<String>, values: impl IntoIterator<Item = (f64, String)>) -> Self {
         if let Content::Table { rows, cells, .. } = &mut self.content {
@@ -166,15 +179,23 @@ impl Chart {
 pub fn csv(charts: &[Chart]) -> String {
     let mut text = String::from("chart,series,x_label,x,y_label,y\n");
     for chart in charts {
+        // Nine digits are more than f32 has.
+        let number = |v: f64| {
+            if v == 0.0 || !v.is_finite() {
+                v.to_string()
+            } else {
+                format!("{v:.8e}").parse::<f64>().unwrap_or(v).to_string()
+            }
+        };
         let mut line = |series: &str, x: &str, y: f64| {
             let fields = [&chart.title, series, &chart.x_label, x, &chart.y_label].map(quoted);
             // Writing to a string cannot fail.
-            let _ = writeln!(text, "{},{y}", fields.join(","));
+            let _ = writeln!(text, "{},{}", fields.join(","), number(y));
         };
         match &chart.content {
             Content::Curves(series) => {
                 for s in series {
-                    s.points.iter().for_each(|(x, y)| line(&s.name, &x.to_string(), *y));
+                    s.points.iter().for_each(|(x, y)| line(&s.name, &number(*x), *y));
                 }
             }
             Content::Bars { names, groups } => {
@@ -182,7 +203,7 @@ pub fn csv(charts: &[Chart]) -> String {
                     names.iter().zip(values).for_each(|(name, value)| line(name, group, *value));
                 }
             }
-            Content::Table { rows, columns, cells } => {
+            Content::Table { rows, columns, cells, .. } => {
                 for (row, values) in rows.iter().zip(cells) {
                     columns.iter().zip(values).for_each(|(column, (value, _))| line(column, row, *value));
                 }

@@ -48,11 +48,9 @@ pub fn draw(title: &str, charts: &[Chart]) -> Result<(String, Vec<u8>), String> 
 
 fn drawn(chart: &Chart) -> (Vec<Plot>, Layout) {
     let plots = match &chart.content {
-        Content::Curves(series) => {
-            series.iter().zip(COLORS.iter().cycle()).flat_map(|(s, color)| curve(chart, s, color)).collect()
-        }
+        Content::Curves(series) => curves(chart, series),
         Content::Bars { names, groups } => vec![bars(names, groups)],
-        Content::Table { cells, .. } => vec![table(cells)],
+        Content::Table { cells, shade, .. } => vec![table(cells, *shade)],
     };
     let mut layout = Layout::auto_from_plots(&plots)
         .with_title(&chart.title)
@@ -88,7 +86,7 @@ fn drawn(chart: &Chart) -> (Vec<Plot>, Layout) {
     match &chart.content {
         Content::Curves(_) => (plots, layout.with_y_label(&chart.y_label)),
         Content::Bars { .. } => (plots, layout.with_y_label(&chart.y_label)),
-        Content::Table { rows, columns, cells } => (plots, with_texts(layout, rows, columns, cells)),
+        Content::Table { rows, columns, cells, .. } => (plots, with_texts(layout, rows, columns, cells)),
     }
 }
 
@@ -103,10 +101,14 @@ fn ticks() -> TickFormat {
 /// Curves end where their data end; bars on a logarithmic axis start a decade below the least of them.
 fn with_ends(layout: Layout, chart: &Chart) -> Layout {
     match &chart.content {
-        Content::Curves(series) if !chart.log_x => {
-            let ends =
-                series.iter().flat_map(|s| &s.points).fold((f64::MAX, f64::MIN), |(a, b), p| (a.min(p.0), b.max(p.0)));
-            if ends.0 < ends.1 { layout.with_x_axis_min(ends.0.min(0.0)).with_x_axis_max(ends.1) } else { layout }
+        Content::Curves(series) => {
+            let places = series.iter().flat_map(|s| &s.points).map(|p| p.0);
+            let ends = places.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+            match ends {
+                (low, high) if low >= high => layout,
+                (_, high) if chart.log_x => layout.with_x_axis_max(high),
+                (low, high) => layout.with_x_axis_min(low.min(0.0)).with_x_axis_max(high),
+            }
         }
         Content::Bars { groups, .. } if chart.log_y => {
             let least = groups.iter().flat_map(|g| &g.1).copied().filter(|v| *v > 0.0).fold(f64::MAX, f64::min);
@@ -114,6 +116,19 @@ fn with_ends(layout: Layout, chart: &Chart) -> Layout {
         }
         _ => layout,
     }
+}
+
+/// Each series in a color of its own, except laws, which have that of the series before them.
+fn curves(chart: &Chart, series: &[Series]) -> Vec<Plot> {
+    let (mut plots, mut colors) = (Vec::new(), COLORS.iter().cycle());
+    let mut color = COLORS[0];
+    for s in series {
+        if s.mark != Mark::Law {
+            color = colors.next().unwrap_or(&COLORS[0]);
+        }
+        plots.append(&mut curve(chart, s, color));
+    }
+    plots
 }
 
 /// A line, its marks, or both. What a logarithmic axis cannot show is left out.
@@ -137,7 +152,7 @@ fn curve(chart: &Chart, series: &Series, color: &str) -> Vec<Plot> {
     };
     match series.mark {
         Mark::Line => vec![line(LineStyle::Solid)],
-        Mark::Dashed => vec![line(LineStyle::Dashed)],
+        Mark::Dashed | Mark::Law => vec![line(LineStyle::Dashed)],
         Mark::Dotted => vec![line(LineStyle::Solid), marks(false)],
         Mark::Points => vec![marks(true)],
     }
@@ -174,19 +189,33 @@ fn bars(names: &[String], groups: &[(String, Vec<f64>)]) -> Plot {
     Plot::Bar(plot)
 }
 
-/// From white over light orange to orange: black text is readable on all of it.
+/// From nearly white to orange: black text is readable on all of it.
 fn shade(part: f64) -> String {
     let part = if part.is_finite() { part.clamp(0.0, 1.0) } else { 1.0 };
     let mix = |from: f64, to: f64| (from + (to - from) * part).round() as u8;
     format!("#{:02x}{:02x}{:02x}", mix(250.0, 240.0), mix(252.0, 160.0), mix(255.0, 90.0))
 }
 
-fn table(cells: &[Vec<(f64, String)>]) -> Plot {
-    // Not a number has no color: it counts as the worst that there is.
-    let worst = cells.iter().flatten().map(|c| c.0).filter(|v| v.is_finite()).fold(0.0_f64, f64::max);
-    let value = |v: f64| if v.is_finite() { v } else { worst };
-    let data: Vec<Vec<f64>> = cells.iter().map(|row| row.iter().map(|c| value(c.0)).collect()).collect();
-    Plot::Heatmap(Heatmap::new().with_data(data).with_color_map(ColorMap::Custom(Arc::new(shade))))
+fn table(cells: &[Vec<(f64, String)>], darkness: fn(f64) -> f64) -> Plot {
+    let finite = cells.iter().flatten().map(|c| darkness(c.0)).filter(|v| v.is_finite());
+    let (least, most) = finite.fold((f64::MAX, f64::MIN), |(a, b), v| (a.min(v), b.max(v)));
+    let span = if most > least { most - least } else { 1.0 };
+    // Not a number counts as the worst that there is; cells without text are empty.
+    let part = |(value, text): &(f64, String)| {
+        let dark = darkness(*value);
+        if text.trim().is_empty() {
+            0.0
+        } else if dark.is_finite() {
+            (dark - least) / span
+        } else {
+            1.0
+        }
+    };
+    // Rows are counted from the bottom. The corners of the scale are fixed by `shade`.
+    let data: Vec<Vec<f64>> = cells.iter().rev().map(|row| row.iter().map(part).collect()).collect();
+    let greatest = data.iter().flatten().fold(0.0_f64, |m, v| m.max(*v));
+    let map = ColorMap::Custom(Arc::new(move |t| shade(t * greatest)));
+    Plot::Heatmap(Heatmap::new().with_data(data).with_color_map(map))
 }
 
 fn with_texts(layout: Layout, rows: &[String], columns: &[String], cells: &[Vec<(f64, String)>]) -> Layout {
@@ -194,10 +223,13 @@ fn with_texts(layout: Layout, rows: &[String], columns: &[String], cells: &[Vec<
     let bottom_up = rows.iter().rev().cloned().collect();
     let mut layout = layout.with_x_categories(columns.to_vec()).with_y_categories(bottom_up);
     layout.show_colorbar = false;
+    // Pixels over those of a row: the figure's height for it less what title and labels take.
+    let down = 10.0 / (ROW_HEIGHT + 17.0 / cells.len().max(1) as f64);
     for (r, row) in cells.iter().enumerate() {
         for (c, (value, text)) in row.iter().enumerate() {
             let text = if text.is_empty() { short(*value) } else { text.clone() };
-            let place = ((c + 1) as f64, (cells.len() - r) as f64);
+            // The library draws above the place it is given.
+            let place = ((c + 1) as f64, (cells.len() - r) as f64 - down);
             layout = layout.with_annotation(TextAnnotation::new(text, place.0, place.1).with_font_size(12));
         }
     }

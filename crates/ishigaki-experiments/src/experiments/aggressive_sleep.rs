@@ -49,8 +49,8 @@ fn settle(aggressive: bool, columns: f64, seconds: f64) -> Result<Wall> {
     Ok(wall)
 }
 
-/// A tower of three cubes on a floor, frozen.
-fn frozen_tower(kinematic: bool) -> Result<(World, BodyHandle, Vec<BodyHandle>)> {
+/// A tower of cubes on a floor, frozen.
+fn frozen_tower(kinematic: bool, count: usize) -> Result<(World, BodyHandle, Vec<BodyHandle>)> {
     let mut options = WorldOptions::default();
     options.rest.sleep.enabled = false;
     options.rest.aggressive_sleep.enabled = true;
@@ -59,7 +59,7 @@ fn frozen_tower(kinematic: bool) -> Result<(World, BodyHandle, Vec<BodyHandle>)>
     let floor = if kinematic { Body::kinematic(slab) } else { Body::fixed(slab) };
     let floor = world.add_body(floor.at(-0.5 * Vec3::Y))?;
     let mut cubes = Vec::new();
-    for i in 0..if kinematic { 1 } else { 3 } {
+    for i in 0..count {
         let cube = Body::dynamic(Shape::cuboid(0.25, 0.25, 0.25)).at(Vec3::new(0.0, 0.25 + 0.5 * i as f32, 0.0));
         cubes.push(world.add_body(cube)?);
     }
@@ -69,7 +69,7 @@ fn frozen_tower(kinematic: bool) -> Result<(World, BodyHandle, Vec<BodyHandle>)>
 
 /// Speed that the upper cubes have gained in the step after their support went, over gΔt.
 fn falls() -> Result<f64> {
-    let (mut world, _, cubes) = frozen_tower(false)?;
+    let (mut world, _, cubes) = frozen_tower(false, 3)?;
     world.remove_body(cubes[0]);
     world.step(DT);
     Ok(f64::from(-body(&world, cubes[1])?.velocity().y / (G * DT)))
@@ -77,7 +77,7 @@ fn falls() -> Result<f64> {
 
 /// Speed of a frozen cube a second after the floor became a belt of 1 m/s.
 fn rides() -> Result<f64> {
-    let (mut world, floor, cubes) = frozen_tower(false)?;
+    let (mut world, floor, cubes) = frozen_tower(false, 1)?;
     let belt = Material { surface_velocity: Vec3::X, ..Material::default() };
     if let Some(mut floor) = world.body_mut(floor) {
         floor.set_material(0, belt)?;
@@ -88,7 +88,7 @@ fn rides() -> Result<f64> {
 
 /// How far a frozen cube slides in a second on a floor tilted slowly to `angle` (rad), m. μ = 0.6 = tan 31°.
 fn slides(angle: f32) -> Result<f64> {
-    let (mut world, slope, cubes) = frozen_tower(true)?;
+    let (mut world, slope, cubes) = frozen_tower(true, 1)?;
     for i in 1..=240 {
         let tilt = Quat::from_rotation_z(angle * (i as f32 / 180.0).min(1.0));
         if let Some(mut slope) = world.body_mut(slope) {

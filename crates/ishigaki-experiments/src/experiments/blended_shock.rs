@@ -57,7 +57,7 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
             seen.push((c, found));
             predicted.push((c, expected));
         }
-        chart = chart.series(format!("n = {n}"), Mark::Points, seen).series(format!("(1−c) + c/{n}"), Mark::Dashed, predicted);
+        chart = chart.series(format!("n = {n}"), Mark::Points, seen).series(format!("(1−c) + c/{n}"), Mark::Law, predicted);
     }
     lab.chart(chart);
     lab.progress(0.9, "timing");

@@ -28,8 +28,13 @@ experiments! {
     hinge,
     range_of_motion,
     momentum,
+    talk_matrix,
     // C: the linear complementarity problem.
     friction_box_vs_disk,
+    lemke_vs_pgs,
+    jacobi_vs_gauss_seidel,
+    indeterminate,
+    pgs_two_body,
     // D: stabilization and speed.
     penetration_recovery,
     slop,

@@ -1,7 +1,7 @@
 //! B9: a neck does not turn backwards.
 
 use crate::chart::Chart;
-use crate::setup::{DT, plain, world};
+use crate::setup::{DT, G, plain, world};
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{Body, BodyKind, Joint, Shape, SolverOptions, Vec3};
 
@@ -15,19 +15,32 @@ pub const EXPERIMENT: Experiment = Experiment {
 /// Where the range ends, rad.
 const END: f32 = -std::f32::consts::FRAC_PI_6;
 
-/// Angle over time, degrees; the end carries a ball of `load` times the arm's mass.
-fn fall(load: f32, solver: SolverOptions, seconds: f64) -> Result<Vec<(f64, f64)>> {
+/// What pulls at the end of the arm.
+#[derive(Clone, Copy)]
+enum Load {
+    /// A force of so many weights of the arm.
+    Force(f32),
+    /// A ball of so many times its mass, welded on.
+    Ball(f32),
+}
+
+/// Angle over time, degrees.
+fn fall(load: Load, solver: SolverOptions, seconds: f64) -> Result<Vec<(f64, f64)>> {
     let mut world = world(solver)?;
     let wall = world.add_body(Body::empty(BodyKind::Fixed))?;
     let arm = Body::dynamic(Shape::cuboid(0.5, 0.05, 0.05)).mass(5.0).at(0.5 * Vec3::X);
     let arm = world.add_body(arm)?;
     let hinge = world.add_joint(Joint::hinge(wall, arm, Vec3::ZERO, Vec3::Z).limit(END..=1.0))?;
-    if load > 0.0 {
-        let ball = world.add_body(Body::dynamic(Shape::ball(0.1)).mass(5.0 * load).at(Vec3::X))?;
+    if let Load::Ball(ratio) = load {
+        let ball = world.add_body(Body::dynamic(Shape::ball(0.1)).mass(5.0 * ratio).at(Vec3::X))?;
         world.add_joint(Joint::fixed(arm, ball, Vec3::X))?;
     }
     let mut angles = Vec::new();
     while world.time() < seconds {
+        if let (Load::Force(weights), Some(mut arm)) = (load, world.body_mut(arm)) {
+            let end = arm.state().pose() * (0.5 * Vec3::X);
+            arm.apply_force_at(-weights * 5.0 * G * Vec3::Y, end)?;
+        }
         world.step(DT);
         let angle = world.joint(hinge).and_then(|j| j.coordinates().first()).map_or(f32::NAN, |a| *a);
         angles.push((world.time(), f64::from(angle).to_degrees()));
@@ -41,24 +54,35 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let mut over = Chart::curves("Beyond the range", "time, s", "angle, °").log(false, true);
     let mut verdict = Verdict::on("±axis·(ω_A − ω_B) ≥ k θ_err/Δt with λ ≥ 0 keeps a joint in its range");
     let end = f64::from(END).to_degrees();
-    for (i, load) in [0.0_f32, 1.0, 10.0, 100.0].into_iter().enumerate() {
-        let name = format!("load of {load} arms");
-        lab.progress(i as f64 / 4.0, &name);
-        let angles = fall(load, SolverOptions::default(), seconds)?;
+    let default = SolverOptions::default;
+    let ten = || plain(|s| s.warm_start.enabled = true);
+    for (i, (name, load, solver)) in [
+        ("alone", Load::Force(0.0), default()),
+        ("pulled by its weight", Load::Force(1.0), default()),
+        ("pulled by 10 weights", Load::Force(10.0), default()),
+        ("pulled by 100 weights", Load::Force(100.0), default()),
+        ("10 × ball welded on", Load::Ball(10.0), default()),
+        ("10 × ball, 10 sweeps", Load::Ball(10.0), ten()),
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        lab.progress(i as f64 / 6.0, name);
+        let angles = fall(load, solver, seconds)?;
         let beyond: Vec<(f64, f64)> = angles.iter().map(|a| (a.0, (end - a.1).max(1e-5))).collect();
-        let rest = beyond.last().map_or(f64::NAN, |b| b.1);
         let worst = beyond.iter().map(|b| b.1).fold(0.0, f64::max);
-        verdict = verdict.at_most(format!("{name}: beyond the range at rest"), "°", 0.1, rest);
-        if load == 100.0 {
-            verdict = verdict.at_most(format!("{name}: at the impact"), "°", 2.0, worst);
+        // How far it still bounces in the last quarter.
+        let late = angles.iter().filter(|a| a.0 > 0.75 * seconds).map(|a| (a.1 - end).abs()).fold(0.0, f64::max);
+        if i < 5 {
+            verdict = verdict
+                .at_most(format!("{name}: beyond the range"), "°", 0.5, worst)
+                .at_most(format!("{name}: from the end when it should rest"), "°", 0.5, late);
         }
-        chart = chart.line(&name, angles);
+        chart = chart.line(name, angles);
         over = over.line(name, beyond);
     }
-    let plain = fall(10.0, plain(|s| s.warm_start.enabled = true), seconds)?;
-    let beyond = plain.iter().map(|a| (a.0, (end - a.1).max(1e-5))).collect();
-    over = over.line("load of 10 arms, one substep of 10 sweeps", beyond);
     lab.chart(chart.level(end, "end of the range"));
     lab.chart(over);
-    Ok(verdict)
+    Ok(verdict.note("With a heavy ball welded to the light arm the limit holds, but each bounce on it gives energy back, more than came \
+                     in: joints recover softly, and what weld and limit leave of each other's push comes out as speed."))
 }

@@ -29,7 +29,7 @@ fn night(lab: &Lab<'_>, sleep: bool, columns: f64, seconds: f64) -> Result<Night
     while world.time() < seconds {
         if ball.is_none() && world.time() > 0.6 * seconds {
             night.moved = wall.iter().zip(&starts).filter_map(|(b, s)| world.body(*b).map(|b| b.center() - *s)).map(|d| 1e3 * f64::from(d.length())).fold(0.0, f64::max);
-            let shot = Body::dynamic(Shape::ball(0.2)).density(200.0).at(Vec3::new(0.0, 1.5, 4.0)).velocity(-6.0 * Vec3::Z);
+            let shot = Body::dynamic(Shape::ball(0.2)).density(200.0).at(Vec3::new(0.0, 1.5, 4.0)).velocity(-12.0 * Vec3::Z);
             ball = Some(world.add_body(shot)?);
         }
         let (report, time) = lab.time(|| world.step(DT).clone());
@@ -38,7 +38,7 @@ fn night(lab: &Lab<'_>, sleep: bool, columns: f64, seconds: f64) -> Result<Night
         night.asleep.push((now, 100.0 * count as f64 / wall.len() as f64));
         night.cost.push((now, 1e3 * time));
         if let Some(ball) = ball {
-            let touches = world.contacts().any(|c| c.a.body == ball || c.b.body == ball);
+            let touches = world.contacts().any(|c| (c.a.body == ball && wall.contains(&c.b.body)) || (c.b.body == ball && wall.contains(&c.a.body)));
             touched = touched.or(touches.then_some(report.bodies).map(|_| world.step_count()));
         }
         if let (Some(step), true, true) = (touched, count == 0, night.waking.is_nan()) {

@@ -3,7 +3,7 @@
 use crate::chart::{Chart, Mark};
 use crate::setup::{DT, G, MASS, add_column, add_stack, body, change_options, force_between, plain, run as advance, world};
 use crate::{Experiment, Lab, Result, Verdict};
-use ishigaki::{Permutation, SolverOptions, WeightAmplification};
+use ishigaki::{ManifoldBlock, Permutation, SolverOptions, WeightAmplification};
 
 pub const EXPERIMENT: Experiment = Experiment {
     name: "weight-amplification",
@@ -45,12 +45,13 @@ fn to_one_percent(speeds: &[(f64, f64)]) -> f64 {
 }
 
 /// How many of `seconds` a tower of `n` stands with `sweeps` sweeps in one substep.
-fn stands(n: usize, sweeps: u32, wa: bool, seconds: usize) -> Result<f64> {
+fn stands(n: usize, sweeps: u32, wa: bool, blocks: bool, seconds: usize) -> Result<f64> {
     let mut world = world(SolverOptions {
         substeps: 1,
         sweeps,
         weight_amplification: if wa { amplified() } else { WeightAmplification { enabled: false, ..amplified() } },
         permutation: Permutation::PerSweep,
+        manifold_block: ManifoldBlock { enabled: blocks, ..ManifoldBlock::default() },
         ..SolverOptions::talk()
     })?;
     let (_, boxes) = add_stack(&mut world, n)?;
@@ -109,34 +110,31 @@ fn convergence(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
 fn towers(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
     let seconds = lab.choose(20, 3);
     let (heights, sweeps): (&[usize], &[u32]) = lab.choose((&[10, 20, 40], &[4, 8, 16, 32]), (&[5], &[8]));
-    let mut chart = Chart::bars(
-        format!("Time until a tower moves by a quarter of a box (of {seconds} s); one substep, row by row"),
-        "time, s",
-        heights.iter().flat_map(|n| [format!("{n} boxes, plain"), format!("{n} boxes, WA 1.4")]),
-    );
-    for (i, &count) in sweeps.iter().enumerate() {
-        lab.progress(0.3 + 0.4 * i as f64 / sweeps.len() as f64, &format!("towers, {count} sweeps"));
-        let mut times = Vec::new();
-        for &n in heights {
-            for wa in [false, true] {
-                let time = stands(n, count, wa, seconds)?;
+    const KINDS: [(&str, bool, bool); 3] =
+        [("plain", false, false), ("WA 1.4", true, false), ("WA 1.4 and manifold blocks", true, true)];
+    for (k, &n) in heights.iter().enumerate() {
+        let title = format!("Tower of {n}, one substep: seconds until a box has moved by a quarter (of {seconds})");
+        let mut chart = Chart::bars(title, "time, s", KINDS.map(|kind| kind.0));
+        for (i, &count) in sweeps.iter().enumerate() {
+            let done = (k as f64 + i as f64 / sweeps.len() as f64) / heights.len() as f64;
+            lab.progress(0.3 + 0.4 * done, &format!("tower of {n}, {count} sweeps"));
+            let mut times = Vec::new();
+            for (name, wa, blocks) in KINDS {
+                let time = stands(n, count, wa, blocks, seconds)?;
                 times.push(time);
-                if count == 8 && n == 20 {
-                    let what = format!("tower of {n}, 8 sweeps, {}: stands", if wa { "WA" } else { "plain" });
-                    verdict = if wa {
-                        verdict.at_least(what, "s", seconds as f64, time)
-                    } else {
-                        verdict.at_most(what, "s", 0.99 * seconds as f64, time)
+                let what = format!("tower of {n}, 8 sweeps, {name}: stands");
+                if count == 8 && n >= 20 {
+                    verdict = match (wa, blocks) {
+                        (false, _) => verdict.at_most(what, "s", 0.99 * seconds as f64, time),
+                        (true, false) => verdict.at_least(what, "s", seconds as f64, time),
+                        (true, true) => verdict.open(what, "s", time),
                     };
                 }
-                if count == 8 && n == 40 && wa {
-                    verdict = verdict.at_least("tower of 40, 8 sweeps, WA: stands", "s", seconds as f64, time);
-                }
             }
+            chart = chart.group(format!("{count} sweeps"), times);
         }
-        chart = chart.group(format!("{count} sweeps"), times);
+        lab.chart(chart);
     }
-    lab.chart(chart);
     Ok(verdict)
 }
 
@@ -162,5 +160,7 @@ fn loads(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
             .level(3.5, "c/(c−1) = 3.5"),
     );
     Ok(verdict.note("The fixed point of WA carries Σ c⁻ʲ weights and never more than c/(c−1) = 3.5: the weight feeling is \
-                     better than with shock propagation (1) but not solved."))
+                     better than with shock propagation (1) but not solved. The prediction that 8 sweeps hold 40 boxes is one of a model with one \
+                     point to a contact; in space each face has four, and rows one by one do not settle their tilts in time. Solved \
+                     manifold by manifold they do, or with more substeps."))
 }
