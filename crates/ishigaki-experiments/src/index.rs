@@ -5,18 +5,20 @@ use crate::verdict::{Expected, Figure, Verdict, short};
 use crate::{Experiment, talk};
 use std::fmt::Write;
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#222}\
-img{width:100%;height:auto;border:1px solid #ddd}table{border-collapse:collapse;margin:.5rem 0}\
-td,th{padding:.15rem .7rem .15rem 0;text-align:left;vertical-align:top}.no{color:#b00020;font-weight:600}\
-.yes{color:#00694a}section{margin:3rem 0}a{color:#0058a3}";
+const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 \
+    1rem;color:#222} img{width:100%;height:auto;border:1px solid \
+    #ddd}table{border-collapse:collapse;margin:.5rem 0} td,th{padding:.15rem .7rem .15rem \
+    0;text-align:left;vertical-align:top}.no{color:#b00020;font-weight:600} \
+    .yes{color:#00694a}section{margin:3rem 0}a{color:#0058a3}";
 
 /// HTML that shows `NAME.svg` of each experiment beside it. Experiments that are missing are left out.
 pub fn page(results: &[(&Experiment, &Verdict)]) -> String {
     let mut html = format!(
-        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
-         <title>Ishigaki: the talk as a laboratory</title>\n<style>{STYLE}</style>\n<h1>The talk as a laboratory</h1>\n\
-         <p>One experiment for each claim of the talk, run on the engine. The talk says, predicted, measured; \
-         where they differ, the note says why.</p>\n"
+        "<!doctype html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+            content=\"width=device-width\">\n <title>Ishigaki: the talk as a \
+            laboratory</title>\n<style>{STYLE}</style>\n<h1>The talk as a laboratory</h1>\n <p>One experiment \
+            for each claim of the talk, run on the engine. The talk says, predicted, measured; where they \
+            differ, the note says why.</p>\n"
     );
     html.push_str(&overview(results));
     for (experiment, verdict) in results {
@@ -51,7 +53,8 @@ fn section(experiment: &Experiment, verdict: &Verdict) -> String {
         .map(|row| format!("{} {}", row.id, escaped(row.technique)))
         .collect();
     let mut html = format!(
-        "<section id=\"{name}\">\n<h2>{name}</h2>\n<p>{} <em>{}</em></p>\n<p><strong>The talk says:</strong> {}.</p>\n",
+        "<section id=\"{name}\">\n<h2>{name}</h2>\n<p>{} <em>{}</em></p>\n<p><strong>The talk says:</strong> \
+            {}.</p>\n",
         escaped(experiment.title),
         techniques.join("; "),
         escaped(verdict.talk)
@@ -63,8 +66,8 @@ fn section(experiment: &Experiment, verdict: &Verdict) -> String {
     let _ = write!(html, "</table>\n<p>{} {}</p>\n", outcome(verdict.agrees()), escaped(&verdict.note));
     let _ = write!(
         html,
-        "<a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"Plot of {name}\" loading=\"lazy\"></a>\n\
-         <p><a href=\"{name}.csv\">data</a> · <a href=\"{name}.png\">PNG</a></p>\n</section>\n"
+        "<a href=\"{name}.svg\"><img src=\"{name}.svg\" alt=\"Plot of {name}\" loading=\"lazy\"></a>\n <p><a \
+            href=\"{name}.csv\">data</a> · <a href=\"{name}.png\">PNG</a></p>\n</section>\n"
     );
     html
 }

@@ -106,8 +106,15 @@ fn with_ends(layout: Layout, chart: &Chart) -> Layout {
             let ends = places.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
             match ends {
                 (low, high) if low >= high => layout,
-                (_, high) if chart.log_x => layout.with_x_axis_max(high),
-                (low, high) => layout.with_x_axis_min(low.min(0.0)).with_x_axis_max(high),
+                // Room for half a mark at the end.
+                (low, high) if chart.log_x => {
+                    layout.with_x_axis_min(low).with_x_axis_max(high * (high / low).powf(0.02))
+                }
+                (low, high) => {
+                    let span = high - low;
+                    let start = if (0.0..0.3 * span).contains(&low) { 0.0 } else { low };
+                    layout.with_x_axis_min(start).with_x_axis_max(high + 0.01 * span)
+                }
             }
         }
         Content::Bars { groups, .. } if chart.log_y => {

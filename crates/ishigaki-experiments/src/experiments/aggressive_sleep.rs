@@ -28,7 +28,8 @@ fn ids(world: &World) -> String {
 }
 
 fn settle(aggressive: bool, columns: f64, seconds: f64) -> Result<Wall> {
-    let mut scene = scene("wall", &[("columns", columns), ("rows", 5.0)], |o| o.rest.aggressive_sleep.enabled = aggressive)?;
+    let mut scene =
+        scene("wall", &[("columns", columns), ("rows", 5.0)], |o| o.rest.aggressive_sleep.enabled = aggressive)?;
     let world = &mut scene.world;
     let mut wall = Wall { calls: vec![], frozen: vec![], speed: vec![], churn: 0.0, loads: vec![] };
     let mut last = String::new();
@@ -36,7 +37,7 @@ fn settle(aggressive: bool, columns: f64, seconds: f64) -> Result<Wall> {
         let report = world.step(DT).clone();
         let now = world.time();
         wall.calls.push((now, report.narrow_phase_calls as f64));
-        wall.frozen.push((now, 100.0 * report.frozen as f64 / report.contacts.max(1) as f64));
+        wall.frozen.push((now, report.frozen as f64));
         wall.speed.push((now, f64::from(report.max_speed).max(1e-9)));
         if now > seconds - 1.0 {
             let ids = ids(world);
@@ -109,10 +110,13 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let off = settle(false, columns, seconds)?;
     lab.progress(0.8, "waking");
     let pair = |title: &str, y: &str, log: bool, a: &[(f64, f64)], b: &[(f64, f64)]| {
-        Chart::curves(title, "time, s", y).log(false, log).line("aggressive sleep", a.to_vec()).line("without", b.to_vec())
+        Chart::curves(title, "time, s", y)
+            .log(false, log)
+            .line("aggressive sleep", a.to_vec())
+            .line("without", b.to_vec())
     };
     lab.chart(pair("A wall settles: calls of the narrow phase", "calls in a step", false, &on.calls, &off.calls));
-    lab.chart(pair("Pairs that are frozen", "frozen, %", false, &on.frozen, &off.frozen));
+    lab.chart(pair("Pairs that are frozen, near ones included", "pairs", false, &on.frozen, &off.frozen));
     lab.chart(pair("Greatest speed", "speed, m/s", true, &on.speed, &off.speed));
     let last_second = |curve: &[(f64, f64)]| {
         let late: Vec<f64> = curve.iter().filter(|c| c.0 > seconds - 1.0).map(|c| c.1).collect();

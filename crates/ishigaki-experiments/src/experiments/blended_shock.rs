@@ -5,12 +5,10 @@ use crate::setup::{DT, G, MASS, add_stack, force_between, plain, run as advance,
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{ShockPropagation, SolverOptions};
 
-pub const EXPERIMENT: Experiment = Experiment {
-    name: "blended-shock",
-    rows: &["D7"],
-    title: "Blended shock propagation: λ = (1−c)λ₀ + cλ₁",
-    run,
-};
+pub const EXPERIMENT: Experiment =
+    Experiment {
+        name: "blended-shock", rows: &["D7"], title: "Blended shock propagation: λ = (1−c)λ₀ + cλ₁", run
+    };
 
 fn solver(blend: f32, sweeps: u32) -> SolverOptions {
     plain(|s| {
@@ -57,7 +55,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
             seen.push((c, found));
             predicted.push((c, expected));
         }
-        chart = chart.series(format!("n = {n}"), Mark::Points, seen).series(format!("(1−c) + c/{n}"), Mark::Law, predicted);
+        chart =
+            chart.series(format!("n = {n}"), Mark::Points, seen).series(format!("(1−c) + c/{n}"), Mark::Law, predicted);
     }
     lab.chart(chart);
     lab.progress(0.9, "timing");

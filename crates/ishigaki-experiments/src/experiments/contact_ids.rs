@@ -5,8 +5,12 @@ use crate::setup::{DT, plain, world};
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{Body, Quat, Shape, Vec3, World};
 
-pub const EXPERIMENT: Experiment =
-    Experiment { name: "contact-ids", rows: &["D4"], title: "Contact points that are found again by their semantic id", run };
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "contact-ids",
+    rows: &["D4"],
+    title: "Contact points that are found again by their semantic id",
+    run,
+};
 
 /// Part of the points found again in each tenth of a second, and in all.
 fn rates(world: &mut World, steps: usize) -> (Vec<(f64, f64)>, f64) {
@@ -76,7 +80,9 @@ const CASES: [(&str, Make); 5] = [
 
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let steps = lab.choose(300, 90);
-    let mut chart = Chart::curves("Points found again, of those of pairs that had points before", "time, s", "found again, %").y_range(0.0, 105.0);
+    let mut chart =
+        Chart::curves("Points found again, of those of pairs that had points before", "time, s", "found again, %")
+            .y_range(0.0, 105.0);
     let mut verdict = Verdict::on("contacts are found again by the features that touch, joints trivially");
     for (i, (name, make)) in CASES.iter().enumerate() {
         lab.progress(i as f64 / CASES.len() as f64, name);

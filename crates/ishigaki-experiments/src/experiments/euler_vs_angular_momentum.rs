@@ -97,7 +97,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .at_most("L carried: most energy", "×", most * (1.0 + 1e-6), range(1).1)
         .at_most("L carried: |Iω| off by", "", 3e-6, momentum(1).max(momentum(2)))
         .at_most("splitting: energy off by", "", 2e-4, (splitting.1 - 1.0).max(1.0 - splitting.0))
-        .note("The energy of the talk's scheme stays in its range but drifts inside it; the splitting of row A7 keeps it."))
+        .note(
+            "The energy of the talk's scheme stays in its range but drifts inside it; the splitting of row A7 \
+            keeps it.",
+        ))
 }
 
 fn energy_of_start() -> f64 {

@@ -59,6 +59,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .near("fall in 60 steps", "m", sum(60, DT, 1.0), 1e-5, fallen[59])
         .at_most("greatest deviation from gΔt² n(n+1)/2", "", 1e-5, off)
         .near("order of the error against ½gt²", "", 1.0, 0.02, order)
-        .note("The slide's x' with the old v is explicit Euler and falls short; in the loop of detecting, solving u' and \
-               moving with u' it is the new v that counts, and the fall is as much too long."))
+        .note(
+            "The slide's x' with the old v is explicit Euler and falls short; in the loop of detecting, \
+            solving u' and moving with u' it is the new v that counts, and the fall is as much too long.",
+        ))
 }

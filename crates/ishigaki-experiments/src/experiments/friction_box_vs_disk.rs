@@ -60,7 +60,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         Chart::curves("Speed after a second", "direction of the push from the first tangent, °", "speed, m/s")
             .series("disk", Mark::Dotted, speeds(0))
             .series("box", Mark::Dotted, speeds(1))
-            .level(0.2 * g, "0.2 μg: Coulomb"),
+            .level(0.2 * g, "0.2 μg: Coulomb")
+            .y_range(-0.02, 1.12),
     );
     lab.chart(
         Chart::curves("Direction of the motion", "direction of the push from the first tangent, °", "direction, °")
@@ -75,5 +76,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .at_most("box pushed at 45°: speed", "m/s", 1e-3, box_45.0)
         .near("disk pushed at 22.5°: direction", "°", 22.5, 0.5, disk_22.1)
         .near("box pushed at 22.5°: direction", "°", 0.0, 0.5, box_22.1)
-        .note("The box overestimates friction by up to √2 and makes sliding bend toward its axes: the disk is the default."))
+        .note(
+            "The box overestimates friction by up to √2 and makes sliding bend toward its axes: the disk is \
+            the default.",
+        ))
 }

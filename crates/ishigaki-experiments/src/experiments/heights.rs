@@ -5,8 +5,12 @@ use crate::setup::{DT, add_ground, body, cube, plain, run as advance, world};
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{Body, BodyKind, Height, Joint, Shape, Vec3};
 
-pub const EXPERIMENT: Experiment =
-    Experiment { name: "heights", rows: &["D5"], title: "Heights: hops over contacts to a fixed or kinematic body", run };
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "heights",
+    rows: &["D5"],
+    title: "Heights: hops over contacts to a fixed or kinematic body",
+    run,
+};
 
 fn text(height: Option<u32>) -> (f64, String) {
     (height.map_or(0.0, f64::from), height.map_or_else(|| "none".to_string(), |h| h.to_string()))
@@ -50,7 +54,13 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let bob = b.add_body(Body::dynamic(Shape::ball(0.1)).at(Vec3::new(0.0, 8.0, 0.0)))?;
     b.add_joint(Joint::ball(hook, bob, Vec3::new(0.0, 9.0, 0.0)))?;
     b.step(DT);
-    let cases = [("ground", ground), ("kinematic lift", lift), ("on the lift", load), ("ball in the air", ball), ("hangs on a joint", bob)];
+    let cases = [
+        ("ground", ground),
+        ("kinematic lift", lift),
+        ("on the lift", load),
+        ("ball in the air", ball),
+        ("hangs on a joint", bob),
+    ];
     let first: Vec<Option<u32>> = cases.iter().map(|(_, h)| b.body(*h).and_then(|s| s.height())).collect();
     advance(&mut b, 60);
     let later: Vec<Option<u32>> = cases.iter().map(|(_, h)| b.body(*h).and_then(|s| s.height())).collect();

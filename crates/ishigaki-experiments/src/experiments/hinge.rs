@@ -30,20 +30,20 @@ fn door(pull: f32, solver: SolverOptions, seconds: f64) -> Result<Vec<(f64, f64)
 
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let seconds = lab.choose(5.0, 1.0);
-    let mut chart = Chart::curves("Angle between the axis of the door and that of its frame", "time, s", "angle, °").log(false, true);
+    let mut chart = Chart::curves("Angle between the axis of the door and that of its frame", "time, s", "angle, °")
+        .log(false, true);
     let mut verdict = Verdict::on("a ball joint and two rows t·(ω_A − ω_B) = 0 make a hinge");
     for (i, pull) in [0.0_f32, 1.0, 10.0].into_iter().enumerate() {
-        for (name, solver) in [
-            ("10 sweeps", plain(|s| s.warm_start.enabled = true)),
-            ("default", SolverOptions::default()),
-        ] {
+        for (name, solver) in
+            [("10 sweeps", plain(|s| s.warm_start.enabled = true)), ("default", SolverOptions::default())]
+        {
             lab.progress(i as f64 / 3.0, name);
             let errors = door(pull, solver, seconds)?;
             let worst = errors.iter().map(|e| e.1).fold(0.0, f64::max);
             if name == "default" {
-                verdict = verdict.at_most(format!("pulled with {pull} weights: axis off by"), "°", 0.1, worst);
+                verdict = verdict.at_most(format!("pulled with {pull} × its weight: axis off by"), "°", 0.1, worst);
             }
-            chart = chart.line(format!("{pull} weights, {name}"), errors);
+            chart = chart.line(format!("{pull} × its weight, {name}"), errors);
         }
     }
     lab.chart(chart);

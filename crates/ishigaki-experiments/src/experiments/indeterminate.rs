@@ -6,8 +6,12 @@ use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::FrictionModel;
 use ishigaki::lcp::{Method, Settings};
 
-pub const EXPERIMENT: Experiment =
-    Experiment { name: "indeterminate", rows: &["C6"], title: "A box on four points: three equations for four loads", run };
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "indeterminate",
+    rows: &["C6"],
+    title: "A box on four points: three equations for four loads",
+    run,
+};
 
 /// Greatest deviation from the mean, as a part of it.
 fn unevenness(loads: &[f64]) -> f64 {
@@ -30,7 +34,11 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         }
         settings.start = Some(solution.lambda);
     }
-    let mut chart = Chart::curves("Projected Gauss–Seidel from a cold start, fixed order", "sweeps", "load / quarter of the weight");
+    let mut chart = Chart::curves(
+        "Projected Gauss–Seidel from a cold start, fixed order",
+        "sweeps",
+        "load / quarter of the weight",
+    );
     for (name, curve) in names.iter().zip(curves) {
         chart = chart.series(*name, Mark::Dotted, curve);
     }
@@ -58,11 +66,12 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         bars = bars.group(name, loads);
     }
     advance(&mut world, 60);
-    let points: Vec<f64> = world.contacts().flat_map(|c| c.manifolds).flat_map(|m| &m.points).map(|p| f64::from(p.impulse)).collect();
+    let points: Vec<f64> =
+        world.contacts().flat_map(|c| c.manifolds).flat_map(|m| &m.points).map(|p| f64::from(p.impulse)).collect();
     bars = bars.group("engine, 1 s", points.iter().map(|p| p / share));
     lab.chart(bars);
-    Ok(verdict
-        .at_most("engine after a second: greatest deviation", "", 0.05, unevenness(&points))
-        .note("Every solution carries the weight; direct methods stop at a corner of the set of solutions, with one point idle. \
-               The engine spreads the loads of four points evenly before each step."))
+    Ok(verdict.at_most("engine after a second: greatest deviation", "", 0.05, unevenness(&points)).note(
+        "Every solution carries the weight; direct methods stop at a corner of the set of solutions, with \
+            one point idle. The engine spreads the loads of four points evenly before each step.",
+    ))
 }

@@ -77,12 +77,20 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let pyramid = scene("pyramid", &[("base", base)], |o| o.solver = plain(|s| s.friction = FrictionModel::Off))?;
     let problem = pyramid.world.export_lcp(DT)?.problem;
     let settings = Settings { tolerance: 0.0, ..Settings::sweeps(lab.choose(200, 60)) };
-    let mut chart = Chart::curves(format!("Pyramid of {base} boxes at its base, no friction"), "sweeps", "residual, N·s (relative)").log(false, true);
+    let mut chart = Chart::curves(
+        format!("Pyramid of {base} boxes at its base, no friction"),
+        "sweeps",
+        "residual / that of the first",
+    )
+    .log(false, true);
     let mut last = Vec::new();
-    for (name, method) in [("projected Jacobi", Method::ProjectedJacobi), ("projected Gauss–Seidel", Method::ProjectedGaussSeidel)] {
+    for (name, method) in
+        [("projected Jacobi", Method::ProjectedJacobi), ("projected Gauss–Seidel", Method::ProjectedGaussSeidel)]
+    {
         let residuals = method.solve(&problem, &settings).residuals;
         let start = residuals.first().copied().unwrap_or(f64::NAN);
-        let curve: Vec<(f64, f64)> = residuals.iter().enumerate().map(|(i, r)| ((i + 1) as f64, (r / start).min(1e12))).collect();
+        let curve: Vec<(f64, f64)> =
+            residuals.iter().enumerate().map(|(i, r)| ((i + 1) as f64, (r / start).min(1e12))).collect();
         last.push(curve.last().map_or(f64::NAN, |c| c.1));
         chart = chart.line(name, curve.into_iter().filter(|c| c.1 < 1e6).collect());
     }

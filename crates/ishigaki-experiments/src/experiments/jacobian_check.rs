@@ -186,8 +186,12 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         ("hinge", Box::new(|r| joint(true, r))),
     ];
     let count = kinds.len();
-    let mut chart = Chart::curves("Relative error of each row of J, sorted", "part of the rows, %", "relative error").log(false, true);
-    let mut verdict = Verdict::on("J maps velocities between frames; w = J u is the velocity along a constraint's axis");
+    let mut chart = Chart::curves("Relative error of each row of J, sorted", "part of the rows, %", "relative error")
+        .log(false, true);
+    let mut verdict = Verdict::on(
+        "J maps velocities between frames; w = J u is the velocity along a \
+        constraint's axis",
+    );
     for (i, (name, trial)) in kinds.iter().enumerate() {
         lab.progress(i as f64 / count as f64, name);
         let mut errors: Vec<f64> = (0..trials).flat_map(|_| trial(&mut random)).collect();
@@ -203,7 +207,9 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         chart = chart.series(*name, Mark::Line, sorted);
     }
     lab.chart(chart.level(1e-5, "1e-5: the most that f32 may cost"));
-    Ok(verdict.note("The rows are those of the engine in f32, the differences those of the same points in f64. Where a row of \
-               boxes is worse, the two points of an edge's end are not exactly opposite each other: as n turns with B it \
-               sees their distance along the surface, which J leaves out."))
+    Ok(verdict.note(
+        "The rows are those of the engine in f32, the differences those of the same points in f64. \
+        Where a row of boxes is worse, the two points of an edge's end are not exactly opposite each other: as \
+        n turns with B it sees their distance along the surface, which J leaves out.",
+    ))
 }

@@ -38,7 +38,8 @@ fn in_box(x: DVec3, center: DVec3, half: DVec3) -> bool {
 fn cases() -> Result<Vec<Case>> {
     // An octahedron of unequal axes as a hull.
     let axes = DVec3::new(0.9, 0.5, 0.7);
-    let corners: Vec<Vec3> = [Vec3::X, Vec3::Y, Vec3::Z].iter().flat_map(|&e| [e, -e]).map(|e| e * axes.as_vec3()).collect();
+    let corners: Vec<Vec3> =
+        [Vec3::X, Vec3::Y, Vec3::Z].iter().flat_map(|&e| [e, -e]).map(|e| e * axes.as_vec3()).collect();
     let quarter = Quat::from_xyzw(0.0, 0.0, 0.5_f32.sqrt(), 0.5_f32.sqrt());
     let hammer = Shape::compound(vec![
         Shape::cylinder(0.5, 0.1).at(Vec3::new(0.0, -0.3, 0.0)),
@@ -52,7 +53,9 @@ fn cases() -> Result<Vec<Case>> {
         Case::new("capsule", Shape::capsule(0.6, 0.4), [0.4, 1.0, 0.4], in_capsule),
         Case::new("cylinder", Shape::cylinder(0.8, 0.5), [0.5, 0.8, 0.5], |x| x.x.hypot(x.z) < 0.5),
         Case::new("cone", Shape::cone(0.9, 0.6), [0.6, 0.9, 0.6], |x| x.x.hypot(x.z) < 0.6 * (0.9 - x.y) / 1.8),
-        Case::new("hull", Shape::convex_hull(&corners)?, axes.to_array(), move |x| (x / axes).abs().element_sum() < 1.0),
+        Case::new("hull", Shape::convex_hull(&corners)?, axes.to_array(), move |x| {
+            (x / axes).abs().element_sum() < 1.0
+        }),
         Case::new("compound", hammer, [0.4, 0.8, 0.15], |x| {
             // Handle and head touch in y = 0.2 and do not overlap.
             (x.x.hypot(x.z) < 0.1 && (-0.8..0.2).contains(&x.y))

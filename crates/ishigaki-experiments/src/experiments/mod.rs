@@ -1,54 +1,79 @@
 //! The list: one file for each experiment, in the talk's order.
 //!
-//! To add one: a file with `pub const EXPERIMENT`, its name here, and the rows it is about in `talk.rs`.
+//! To add one: a file with `pub const EXPERIMENT`, a line in each list here, and the rows it is about in `talk.rs`
+//! (none for what goes beyond the talk).
+
+mod aggressive_sleep;
+mod ball_joint;
+mod blended_shock;
+mod contact_ids;
+mod dzhanibekov;
+mod euler_vs_angular_momentum;
+mod free_fall;
+mod friction_box_vs_disk;
+mod heights;
+mod hinge;
+mod indeterminate;
+mod jacobi_vs_gauss_seidel;
+mod jacobian_check;
+mod lemke_vs_pgs;
+mod mass_integrals;
+mod momentum;
+mod orthonormalization;
+mod penetration_recovery;
+mod permutation;
+mod pgs_two_body;
+mod plank_on_two_towers;
+mod ragdoll_dies;
+mod range_of_motion;
+mod shock_propagation;
+mod sleep;
+mod slop;
+mod talk_matrix;
+mod technique_matrix;
+mod warm_start;
+mod weight_amplification;
+mod weight_feeling;
 
 use crate::Experiment;
 
-macro_rules! experiments {
-    ($($module:ident),* $(,)?) => {
-        $(mod $module;)*
-
-        /// All experiments, in the talk's order.
-        pub fn list() -> &'static [&'static Experiment] {
-            &[$(&$module::EXPERIMENT),*]
-        }
-    };
-}
-
-experiments! {
-    // A: unconstrained motion.
-    free_fall,
-    mass_integrals,
-    euler_vs_angular_momentum,
-    orthonormalization,
-    dzhanibekov,
-    // B: constraints.
-    jacobian_check,
-    ball_joint,
-    hinge,
-    range_of_motion,
-    momentum,
-    talk_matrix,
-    // C: the linear complementarity problem.
-    friction_box_vs_disk,
-    lemke_vs_pgs,
-    jacobi_vs_gauss_seidel,
-    indeterminate,
-    pgs_two_body,
-    // D: stabilization and speed.
-    penetration_recovery,
-    slop,
-    permutation,
-    warm_start,
-    contact_ids,
-    heights,
-    plank_on_two_towers,
-    shock_propagation,
-    blended_shock,
-    weight_amplification,
-    weight_feeling,
-    sleep,
-    aggressive_sleep,
-    ragdoll_dies,
-    technique_matrix,
+/// All experiments, in the talk's order.
+pub fn list() -> &'static [&'static Experiment] {
+    &[
+        // A: unconstrained motion.
+        &free_fall::EXPERIMENT,
+        &mass_integrals::EXPERIMENT,
+        &euler_vs_angular_momentum::EXPERIMENT,
+        &orthonormalization::EXPERIMENT,
+        &dzhanibekov::EXPERIMENT,
+        // B: constraints.
+        &jacobian_check::EXPERIMENT,
+        &ball_joint::EXPERIMENT,
+        &hinge::EXPERIMENT,
+        &range_of_motion::EXPERIMENT,
+        &momentum::EXPERIMENT,
+        &talk_matrix::EXPERIMENT,
+        // C: the linear complementarity problem.
+        &friction_box_vs_disk::EXPERIMENT,
+        &lemke_vs_pgs::EXPERIMENT,
+        &jacobi_vs_gauss_seidel::EXPERIMENT,
+        &indeterminate::EXPERIMENT,
+        &pgs_two_body::EXPERIMENT,
+        // D: stabilization and speed.
+        &penetration_recovery::EXPERIMENT,
+        &slop::EXPERIMENT,
+        &permutation::EXPERIMENT,
+        &warm_start::EXPERIMENT,
+        &contact_ids::EXPERIMENT,
+        &heights::EXPERIMENT,
+        &plank_on_two_towers::EXPERIMENT,
+        &shock_propagation::EXPERIMENT,
+        &blended_shock::EXPERIMENT,
+        &weight_amplification::EXPERIMENT,
+        &weight_feeling::EXPERIMENT,
+        &sleep::EXPERIMENT,
+        &aggressive_sleep::EXPERIMENT,
+        &ragdoll_dies::EXPERIMENT,
+        &technique_matrix::EXPERIMENT,
+    ]
 }

@@ -4,7 +4,8 @@ use crate::chart::Chart;
 use crate::setup::{DT, G, plain};
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{
-    Body, BodyHandle, Drive, Freedom, Joint, Pose, Quat, Range, Shape, SolverOptions, TurnAxis, Vec3, World, WorldOptions,
+    Body, BodyHandle, Drive, Freedom, Joint, Pose, Quat, Range, Shape, SolverOptions, TurnAxis, Vec3, World,
+    WorldOptions,
 };
 
 pub const EXPERIMENT: Experiment = Experiment {
@@ -122,7 +123,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         chart = chart.group(*name, worst);
     }
     let one = plain(|s| (s.warm_start.enabled, s.slop.enabled, s.penetration_recovery.enabled) = (true, true, true));
-    let mut later = Chart::curves("27 bodies that collide: drift of angular momentum", "time, s", "relative drift").log(false, true);
+    let mut later = Chart::curves("27 bodies that collide: drift of angular momentum", "time, s", "relative drift")
+        .log(false, true);
     for (name, solver) in [("one substep", one), ("default, 8 substeps", SolverOptions::default())] {
         lab.progress(0.9, name);
         let seen = drift(&mut crowd(solver)?, seconds);
@@ -139,6 +141,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .at_most("joints: angular momentum drifts by", "", 1e-4, worst_joint[1])
         .at_most("contacts, one substep: momentum drifts by", "", 1e-5, worst_contact[0])
         .at_most("contacts, one substep: angular momentum drifts by", "", 1e-4, worst_contact[1])
-        .note("Contacts keep their arms for a whole step: with several substeps the two impulses of a sliding contact are off \
-               each other's line, and angular momentum is kept to first order in the step only."))
+        .note(
+            "Contacts keep their arms for a whole step: with several substeps the two impulses of a sliding \
+            contact are off each other's line, and angular momentum is kept to first order in the step only.",
+        ))
 }

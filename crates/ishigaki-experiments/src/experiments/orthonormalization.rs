@@ -97,6 +97,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .near("polar: longest column", "", 1.0, 1e-5, longest(2))
         .open("Gram–Schmidt: energy after 10 s", "%", drift(1))
         .open("polar: energy after 10 s", "%", drift(2))
-        .note("The slide does not say that R' must be made orthonormal again: without it R explodes. How it is done decides \
-               which way the energy drifts (−22 % … +100 % in an f64 prototype)."))
+        .note(
+            "The slide does not say that R' must be made orthonormal again: without it R explodes. How it is \
+            done decides which way the energy drifts (−22 % … +100 % in an f64 prototype).",
+        ))
 }

@@ -51,6 +51,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .at_most("deviation from d₀(1−k)ⁿ", "mm", 0.002, worst)
         .near("upward speed after a step without a relax sweep", "m/s", push, 1e-4, without[0].1)
         .near("the same with a relax sweep", "m/s", 0.0, 1e-4, with[0].1)
-        .note("The talk leaves the push in the velocity: the ball jumps off the ground. A sweep without recovery after the motion \
-               takes it out again."))
+        .note(
+            "The talk leaves the push in the velocity: the ball jumps off the ground. A sweep without recovery \
+            after the motion takes it out again.",
+        ))
 }

@@ -5,8 +5,12 @@ use crate::setup::{DT, G, MASS, add_column, add_stack, change_options, counted, 
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::Permutation;
 
-pub const EXPERIMENT: Experiment =
-    Experiment { name: "permutation", rows: &["D3"], title: "The first step of a stack of boxes, row by row, from a cold start", run };
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "permutation",
+    rows: &["D3"],
+    title: "The first step of a stack of boxes, row by row, from a cold start",
+    run,
+};
 
 const KINDS: [(&str, Permutation); 4] = [
     ("fixed", Permutation::None),
@@ -31,7 +35,8 @@ fn residuals(n: usize, permutation: Permutation, sweeps: u32, boxes: bool) -> Re
 
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let (n, sweeps) = lab.choose((10, 4000), (5, 1500));
-    let mut chart = Chart::curves(format!("Stack of {n} boxes"), "sweeps", "residual / that of the start").log(true, true);
+    let mut chart =
+        Chart::curves(format!("Stack of {n} boxes"), "sweeps", "residual / that of the start").log(true, true);
     let mut needed = Vec::new();
     for (i, (name, kind)) in KINDS.into_iter().enumerate() {
         lab.progress(i as f64 / 8.0, name);
@@ -42,7 +47,9 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     }
     lab.chart(chart.level(0.001, "0.1 %").level(0.01, "1 %"));
     let mut column = Vec::new();
-    let mut chart = Chart::curves(format!("Column of {n} balls, one point each"), "sweeps", "residual / that of the start").log(true, true);
+    let mut chart =
+        Chart::curves(format!("Column of {n} balls, one point each"), "sweeps", "residual / that of the start")
+            .log(true, true);
     for (i, (name, kind)) in KINDS.into_iter().enumerate() {
         lab.progress(0.5 + i as f64 / 8.0, name);
         let seen = residuals(n, kind, sweeps / 5, false)?;
@@ -60,7 +67,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .open("fixed order: sweeps to 1 %", "", needed[0][0])
         .open("random each sweep: sweeps to 1 %", "", needed[2][0])
         .at_most("column of balls: slowest over fastest order", "×", 2.0, most / least)
-        .note("The predictions are those of a model of a stack in the plane. In space, with four points to a face, the claim holds, its \
-               figures are others: the weight itself (down to 1 %) arrives equally fast in any order; what a fixed order feeds is \
-               the tail of tilts, since each face is always solved corner after corner in the same way."))
+        .note(
+            "The predictions are those of a model of a stack in the plane. In space, with four points to a \
+            face, the claim holds, its figures are others: the weight itself (down to 1 %) arrives equally fast \
+            in any order; what a fixed order feeds is the tail of tilts, since each face is always solved \
+            corner after corner in the same way.",
+        ))
 }

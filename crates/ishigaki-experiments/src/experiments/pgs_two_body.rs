@@ -4,8 +4,12 @@ use crate::chart::{Chart, Mark};
 use crate::setup::{DT, G, add_column, plain, world};
 use crate::{Experiment, Lab, Result, Verdict};
 
-pub const EXPERIMENT: Experiment =
-    Experiment { name: "pgs-two-body", rows: &["C7"], title: "Two equal bodies on each other: what k sweeps leave of v = gΔt", run };
+pub const EXPERIMENT: Experiment = Experiment {
+    name: "pgs-two-body",
+    rows: &["C7"],
+    title: "Two equal bodies on each other: what k sweeps leave of v = gΔt",
+    run,
+};
 
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let (mut seen, mut predicted, mut worst) = (Vec::new(), Vec::new(), 0.0_f64);
@@ -25,6 +29,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
             .series("engine", Mark::Points, seen)
             .series("2⁻ᵏ", Mark::Law, predicted),
     );
-    Ok(Verdict::on("projected Gauss–Seidel converges: k sweeps leave v/2ᵏ of two bodies")
-        .at_most("relative deviation from v/2ᵏ, k = 1 … 16", "", 0.01, worst))
+    Ok(Verdict::on("projected Gauss–Seidel converges: k sweeps leave v/2ᵏ of two bodies").at_most(
+        "relative deviation from v/2ᵏ, k = 1 … 16",
+        "",
+        0.01,
+        worst,
+    ))
 }

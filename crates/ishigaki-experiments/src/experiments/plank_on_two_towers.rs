@@ -29,7 +29,8 @@ fn moves(solver: SolverOptions, seconds: f64) -> Result<Vec<(f64, f64)>> {
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let mut still = scene("plank_on_two_towers", &[], |_| {})?;
     still.world.step(DT);
-    let heights: Vec<Option<u32>> = still.bodies.iter().filter_map(|(_, h)| body(&still.world, *h).ok()).map(|b| b.height()).collect();
+    let heights: Vec<Option<u32>> =
+        still.bodies.iter().filter_map(|(_, h)| body(&still.world, *h).ok()).map(|b| b.height()).collect();
     // The ground, three bricks, six bricks, the plank.
     let cell = |h: &Option<u32>| (h.map_or(0.0, f64::from), h.map_or("none".to_string(), |h| h.to_string()));
     let pad = |mut cells: Vec<(f64, String)>| {
@@ -43,9 +44,15 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
             .row("plank", pad(heights[10..11].iter().map(cell).collect())),
     );
     let seconds = lab.choose(10.0, 1.5);
-    let base = || SolverOptions { weight_amplification: WeightAmplification { enabled: false, ..WeightAmplification::default() }, ..SolverOptions::talk() };
+    let base = || SolverOptions {
+        weight_amplification: WeightAmplification { enabled: false, ..WeightAmplification::default() },
+        ..SolverOptions::talk()
+    };
     let shock = |blend| SolverOptions { shock_propagation: ShockPropagation { enabled: true, blend }, ..base() };
-    let mut chart = Chart::curves("Greatest move of a body: 25 % of its smallest edge is a fall", "time, s", "move, % of the edge").log(false, true).y_range(0.01, 1e4);
+    let mut chart =
+        Chart::curves("Greatest move of a body: 25 % of its smallest edge is a fall", "time, s", "move, % of the edge")
+            .log(false, true)
+            .y_range(0.01, 1e4);
     let mut last = Vec::new();
     for (i, (name, solver)) in [
         ("talk without amplification", base()),
@@ -71,6 +78,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .open("talk without amplification: move", "%", last[0])
         .open("talk with WA: move", "%", last[1])
         .open("talk with shock propagation: move", "%", last[2])
-        .note("A known pathology: hops go over the plank too, so the brick below it counts as the upper body, and amplification works \
-               against it there."))
+        .note(
+            "A known pathology: hops go over the plank too, so the brick below it counts as the upper body, \
+            and amplification works against it there.",
+        ))
 }

@@ -74,15 +74,21 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         // How far it still bounces in the last quarter.
         let late = angles.iter().filter(|a| a.0 > 0.75 * seconds).map(|a| (a.1 - end).abs()).fold(0.0, f64::max);
         if i < 5 {
-            verdict = verdict
-                .at_most(format!("{name}: beyond the range"), "°", 0.5, worst)
-                .at_most(format!("{name}: from the end when it should rest"), "°", 0.5, late);
+            verdict = verdict.at_most(format!("{name}: beyond the range"), "°", 0.5, worst).at_most(
+                format!("{name}: from the end when it should rest"),
+                "°",
+                0.5,
+                late,
+            );
         }
         chart = chart.line(name, angles);
         over = over.line(name, beyond);
     }
     lab.chart(chart.level(end, "end of the range"));
     lab.chart(over);
-    Ok(verdict.note("With a heavy ball welded to the light arm the limit holds, but each bounce on it gives energy back, more than came \
-                     in: joints recover softly, and what weld and limit leave of each other's push comes out as speed."))
+    Ok(verdict.note(
+        "With a heavy ball welded to the light arm the limit holds, but each bounce on it gives \
+        energy back, more than came in: joints recover softly, and what weld and limit leave of each other's \
+        push comes out as speed.",
+    ))
 }

@@ -34,10 +34,12 @@ fn reading(shock: bool, n: usize) -> Result<f64> {
     let mut world = world(options)?;
     let (ground, boxes) = add_stack(&mut world, n)?;
     advance(&mut world, 90);
-    Ok((0..30).map(|_| {
-        world.step(DT);
-        f64::from(force_between(&world, ground, boxes[0]) / (30.0 * MASS * G))
-    }).sum())
+    Ok((0..30)
+        .map(|_| {
+            world.step(DT);
+            f64::from(force_between(&world, ground, boxes[0]) / (30.0 * MASS * G))
+        })
+        .sum())
 }
 
 /// Lean of the top of a tower over time, m, with ten sweeps in each of four substeps.
@@ -57,7 +59,8 @@ fn lean(shock: bool, n: usize, seconds: f64) -> Result<Vec<(f64, f64)>> {
 }
 
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
-    let mut chart = Chart::curves("Column of 20 balls from a cold start", "sweeps", "greatest speed / gΔt").log(true, true);
+    let mut chart =
+        Chart::curves("Column of 20 balls from a cold start", "sweeps", "greatest speed / gΔt").log(true, true);
     for (name, shock) in [("plain", false), ("shock propagation", true)] {
         let mut seen = Vec::new();
         for sweeps in [1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000] {
@@ -80,7 +83,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
             .series("shock propagation", Mark::Dotted, with),
     );
     let (n, seconds) = lab.choose((40, 8.0), (8, 1.0));
-    let mut chart = Chart::curves(format!("Tower of {n}: how far its top has moved"), "time, s", "distance, m").log(false, true);
+    let mut chart =
+        Chart::curves(format!("Tower of {n}: how far its top has moved"), "time, s", "distance, m").log(false, true);
     let mut last = Vec::new();
     for (i, (name, shock)) in [("plain", false), ("shock propagation", true)].into_iter().enumerate() {
         lab.progress(0.4 + 0.3 * i as f64, name);

@@ -28,8 +28,14 @@ fn night(lab: &Lab<'_>, sleep: bool, columns: f64, seconds: f64) -> Result<Night
     let (mut ball, mut touched) = (None, None);
     while world.time() < seconds {
         if ball.is_none() && world.time() > 0.6 * seconds {
-            night.moved = wall.iter().zip(&starts).filter_map(|(b, s)| world.body(*b).map(|b| b.center() - *s)).map(|d| 1e3 * f64::from(d.length())).fold(0.0, f64::max);
-            let shot = Body::dynamic(Shape::ball(0.2)).density(200.0).at(Vec3::new(0.0, 1.5, 4.0)).velocity(-12.0 * Vec3::Z);
+            night.moved = wall
+                .iter()
+                .zip(&starts)
+                .filter_map(|(b, s)| world.body(*b).map(|b| b.center() - *s))
+                .map(|d| 1e3 * f64::from(d.length()))
+                .fold(0.0, f64::max);
+            let shot =
+                Body::dynamic(Shape::ball(0.2)).density(200.0).at(Vec3::new(0.0, 1.5, 4.0)).velocity(-12.0 * Vec3::Z);
             ball = Some(world.add_body(shot)?);
         }
         let (report, time) = lab.time(|| world.step(DT).clone());
@@ -38,7 +44,9 @@ fn night(lab: &Lab<'_>, sleep: bool, columns: f64, seconds: f64) -> Result<Night
         night.asleep.push((now, 100.0 * count as f64 / wall.len() as f64));
         night.cost.push((now, 1e3 * time));
         if let Some(ball) = ball {
-            let touches = world.contacts().any(|c| (c.a.body == ball && wall.contains(&c.b.body)) || (c.b.body == ball && wall.contains(&c.a.body)));
+            let touches = world.contacts().any(|c| {
+                (c.a.body == ball && wall.contains(&c.b.body)) || (c.b.body == ball && wall.contains(&c.a.body))
+            });
             touched = touched.or(touches.then_some(report.bodies).map(|_| world.step_count()));
         }
         if let (Some(step), true, true) = (touched, count == 0, night.waking.is_nan()) {
@@ -54,8 +62,18 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let with = night(lab, true, columns, seconds)?;
     lab.progress(0.5, "without");
     let without = night(lab, false, columns, seconds)?;
-    lab.chart(Chart::curves("Bodies of the wall asleep; a ball comes after 60 % of the time", "time, s", "asleep, %").y_range(0.0, 105.0).line("sleep", with.asleep.clone()).line("no sleep", without.asleep.clone()));
-    lab.chart(Chart::curves("Time of a step (on this machine)", "time, s", "ms").log(false, true).line("sleep", with.cost.clone()).line("no sleep", without.cost.clone()));
+    lab.chart(
+        Chart::curves("Bodies of the wall asleep; a ball comes after 60 % of the time", "time, s", "asleep, %")
+            .y_range(0.0, 105.0)
+            .line("sleep", with.asleep.clone())
+            .line("no sleep", without.asleep.clone()),
+    );
+    lab.chart(
+        Chart::curves("Time of a step (on this machine)", "time, s", "ms")
+            .log(false, true)
+            .line("sleep", with.cost.clone())
+            .line("no sleep", without.cost.clone()),
+    );
     let before = |curve: &[(f64, f64)]| {
         let mut late: Vec<f64> = curve.iter().filter(|c| (0.5..0.6).contains(&(c.0 / seconds))).map(|c| c.1).collect();
         late.sort_by(f64::total_cmp);

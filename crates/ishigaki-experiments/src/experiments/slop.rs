@@ -73,7 +73,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .at_most("toggles with slop", "/s", 0.0, on.toggles)
         .at_most("peak to peak with slop", "mm", 0.02, on.shake)
         .open("toggles without slop, with speculative contacts", "/s", speculative.toggles)
-        .note("The period is three steps, not two: pushed out, the block coasts for a step before it falls back, since a contact \
-               of no depth does not hold it. Measured with contacts that exist only while things overlap, as in the talk. The engine's speculative contacts, \
-               which are there before things touch, need no slop for this."))
+        .note(
+            "The period is three steps, not two: pushed out, the block coasts for a step before it falls back, \
+            since a contact of no depth does not hold it. Measured with contacts that exist only while things \
+            overlap, as in the talk. The engine's speculative contacts, which are there before things touch, \
+            need no slop for this.",
+        ))
 }

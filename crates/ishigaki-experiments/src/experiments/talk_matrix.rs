@@ -1,4 +1,4 @@
-//! B12: the talk's example of many bodies: contacts a, b between 0 and 1, c between 0 and 2, an equality d between 1 and 2.
+//! B12: the talk's example of many bodies: contacts a, b between 0 and 1, c between 0 and 2, equality d between 1 and 2.
 
 use crate::chart::Chart;
 use crate::setup::{DT, change_options, plain, world};
@@ -45,7 +45,9 @@ type FullRow = (usize, usize, Jacobian);
 fn rows(world: &World, bodies: &[BodyHandle; 3], rod: &Joint) -> Result<Vec<FullRow>> {
     let index = |handle: BodyHandle| bodies.iter().position(|b| *b == handle);
     let missing = || Error::Missing("a contact with an unknown body".to_string());
-    let frame = |handle: BodyHandle| world.body(handle).map(|b| BodyFrame::at_rest(b.center(), b.rotation())).ok_or_else(missing);
+    let frame = |handle: BodyHandle| {
+        world.body(handle).map(|b| BodyFrame::at_rest(b.center(), b.rotation())).ok_or_else(missing)
+    };
     let (a, b) = (frame(rod.body_a)?, frame(rod.body_b)?);
     let mut resolved = ResolvedJoint::new(rod, &a, Vec3::ZERO, &b, Vec3::ZERO);
     let mut specs = Vec::new();
@@ -97,11 +99,10 @@ fn least_pivot(a: &[Vec<f64>]) -> f64 {
     let greatest = (0..n).map(|i| a[i][i]).fold(0.0, f64::max);
     for k in 0..n {
         least = least.min(m[k][k] / greatest);
-        for i in k + 1..n {
-            let factor = m[i][k] / m[k][k];
-            for j in k..n {
-                m[i][j] -= factor * m[k][j];
-            }
+        let (above, below) = m.split_at_mut(k + 1);
+        for row in below {
+            let factor = row[k] / above[k][k];
+            row.iter_mut().zip(&above[k]).skip(k).for_each(|(x, pivot)| *x -= factor * pivot);
         }
     }
     least
@@ -119,22 +120,30 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let names = ["d (1, 2)", "a (0, 1)", "b (0, 1)", "c (0, 2)"];
     let greatest = full.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
     let mut apart = 0.0_f64;
-    let mut table = Chart::table("A = J M⁻¹Jᵀ, 1/t", "1/kg", names).shade(f64::abs);
+    let mut table = Chart::table("A = J M⁻¹Jᵀ, 1/t", "1/t", names).shade(f64::abs);
     let mut blocks = Chart::table("Blocks of J: which bodies a row acts on", "blocks", ["body 0", "body 1", "body 2"]);
     for (i, name) in names.iter().enumerate() {
-        table = table.row(*name, (0..4).map(|j| (a[(i, j)], short(1e3 * a[(i, j)]))));
+        table = table.row(*name, (0..4).map(|j| (1e3 * a[(i, j)], short(1e3 * a[(i, j)]))));
         apart = (0..4).map(|j| (a[(i, j)] - full[i][j]).abs() / greatest).fold(apart, f64::max);
         let acts = |body: usize| rows[i].0 == body || rows[i].1 == body;
-        blocks = blocks.row(*name, (0..3).map(|k| (f64::from(u8::from(acts(k))), if acts(k) { "J" } else { "0" }.to_string())));
+        blocks = blocks
+            .row(*name, (0..3).map(|k| (f64::from(u8::from(acts(k))), if acts(k) { "J" } else { "0" }.to_string())));
     }
     lab.chart(blocks);
     lab.chart(table);
     let shared = |i: usize, j: usize| [rows[i].0, rows[i].1].iter().any(|b| [rows[j].0, rows[j].1].contains(b));
-    let coupled = (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).filter(|&(i, j)| shared(i, j) && a[(i, j)] == 0.0).count();
-    Ok(Verdict::on("for many bodies J is sparse, constraint by body, and A = J M⁻¹Jᵀ couples the constraints that share a body")
-        .at_most("sparse A from dense A", "of the greatest entry", 1e-12, apart)
-        .at_most("asymmetry of A", "of the greatest entry", 1e-12, a.asymmetry() / greatest)
-        .at_least("least pivot", "of the greatest diagonal", 0.0, least_pivot(&full))
-        .open("entries of rows that share a body and are zero", "", coupled as f64)
-        .note("The rows are the engine's in f32, widened to f64: then sparse and dense products differ by rounding alone."))
+    let coupled =
+        (0..4).flat_map(|i| (0..4).map(move |j| (i, j))).filter(|&(i, j)| shared(i, j) && a[(i, j)] == 0.0).count();
+    Ok(Verdict::on(
+        "for many bodies J is sparse, constraint by body, and A = J M⁻¹Jᵀ couples the constraints \
+        that share a body",
+    )
+    .at_most("sparse A from dense A", "of the greatest entry", 1e-12, apart)
+    .at_most("asymmetry of A", "of the greatest entry", 1e-12, a.asymmetry() / greatest)
+    .at_least("least pivot", "of the greatest diagonal", 0.0, least_pivot(&full))
+    .open("entries of rows that share a body and are zero", "", coupled as f64)
+    .note(
+        "The rows are the engine's in f32, widened to f64: then sparse and dense products differ by \
+            rounding alone.",
+    ))
 }

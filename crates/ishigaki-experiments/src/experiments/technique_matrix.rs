@@ -40,10 +40,13 @@ const VARIANTS: [(&str, Switch); 13] = [
     ("default options", |o| o.solver = SolverOptions::default()),
 ];
 
-const SCENES: [(&str, &str, &[(&str, f64)]); 5] = [
+/// Label, scene, parameters.
+type Trial = (&'static str, &'static str, &'static [(&'static str, f64)]);
+
+const SCENES: [Trial; 5] = [
     ("tower of 20", "tower", &[("n", 20.0)]),
-    ("wall 10 × 8", "wall", &[("columns", 10.0), ("rows", 8.0)]),
-    ("pyramid of 10", "pyramid", &[("base", 10.0)]),
+    ("wall 8 × 6", "wall", &[("columns", 8.0), ("rows", 6.0)]),
+    ("pyramid of 8", "pyramid", &[("base", 8.0)]),
     ("heavy on light", "heavy_on_light", &[]),
     ("4 ragdolls", "ragdolls", &[("n", 4.0)]),
 ];
@@ -70,7 +73,8 @@ fn watch(lab: &Lab<'_>, name: &str, parameters: &[(&str, f64)], switch: Switch, 
     })?;
     let falls = name == "ragdolls";
     let mut meter = Meter::new(&scene.world);
-    let (mut seen, mut times, mut squares, mut count) = (Seen { survival: seconds, ..Seen::default() }, vec![], 0.0, 0.0);
+    let (mut seen, mut times, mut squares, mut count) =
+        (Seen { survival: seconds, ..Seen::default() }, vec![], 0.0, 0.0);
     while scene.world.time() < seconds {
         times.push(lab.time(|| scene.world.step(DT)).1);
         meter.observe(&scene.world);
@@ -115,7 +119,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let logarithm: Shade = |v| (1e-3 + v).ln();
     let measures: [(String, Measure, Shade); 4] = [
         (
-            format!("Survival: seconds until a body has moved by ¼ of its edge (of {seconds}; ragdolls need not stand)"),
+            format!(
+                "Survival: seconds until a body has moved by ¼ of its edge (of {seconds}; ragdolls need not \
+                stand)"
+            ),
             |s| s.survival,
             |v| -v,
         ),

@@ -46,10 +46,14 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let frames = lab.choose(60, 35);
     let mut chart = Chart::curves("Residual after each step", "steps", "residual / share of a weight").log(false, true);
     let mut column = Vec::new();
-    for (i, (name, warm, boxes)) in
-        [("10 balls, cold", false, false), ("10 balls, warm", true, false), ("10 boxes, cold", false, true), ("10 boxes, warm", true, true)]
-            .into_iter()
-            .enumerate()
+    for (i, (name, warm, boxes)) in [
+        ("10 balls, cold", false, false),
+        ("10 balls, warm", true, false),
+        ("10 boxes, cold", false, true),
+        ("10 boxes, warm", true, true),
+    ]
+    .into_iter()
+    .enumerate()
     {
         lab.progress(i as f64 / 4.0, name);
         let seen = residuals(warm, boxes, frames)?;
@@ -72,6 +76,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .near("warm, after 10 times", "gΔt", 0.096, 0.005, at(&warm_again, 10))
         .near("warm, after 30 times", "gΔt", 6.8e-4, 1e-4, at(&warm_again, 30))
         .at_most("in motion: residual warm over cold after 30 steps", "", 0.05, at(&column[1], 30) / at(&column[0], 30))
-        .note("In motion the balls have fallen a little before the impulses have grown: the residual first rises, and then \
-               falls as fast."))
+        .note(
+            "In motion the balls have fallen a little before the impulses have grown: the residual first \
+            rises, and then falls as fast.",
+        ))
 }

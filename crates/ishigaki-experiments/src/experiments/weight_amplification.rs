@@ -1,7 +1,9 @@
 //! D8: WA makes stacks converge sooner, and its fixed point carries less than the weight.
 
 use crate::chart::{Chart, Mark};
-use crate::setup::{DT, G, MASS, add_column, add_stack, body, change_options, force_between, plain, run as advance, world};
+use crate::setup::{
+    DT, G, MASS, add_column, add_stack, body, change_options, force_between, plain, run as advance, world,
+};
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{ManifoldBlock, Permutation, SolverOptions, WeightAmplification};
 
@@ -91,7 +93,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
 }
 
 fn convergence(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
-    let mut chart = Chart::curves("Column of n balls from a cold start", "sweeps", "greatest speed / gΔt").log(true, true);
+    let mut chart =
+        Chart::curves("Column of n balls from a cold start", "sweeps", "greatest speed / gΔt").log(true, true);
     let sizes: &[(usize, u32, u32)] = lab.choose(&[(10, 192, 65), (20, 776, 129)], &[(10, 192, 65)]);
     for &(n, plain, with) in sizes {
         lab.progress(0.1, &format!("column of {n}"));
@@ -155,12 +158,14 @@ fn loads(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
     lab.chart(
         Chart::curves("Load on the ground under a stack at rest", "boxes", "load, weights of a box")
             .series("plain", Mark::Dotted, plain)
-            .series("WA 1.4", Mark::Dotted, with)
-            .series("predicted with WA: Σ 1.4⁻ʲ", Mark::Dashed, predicted)
+            .series("WA 1.4", Mark::Points, with)
+            .series("predicted: Σ 1.4⁻ʲ", Mark::Law, predicted)
             .level(3.5, "c/(c−1) = 3.5"),
     );
-    Ok(verdict.note("The fixed point of WA carries Σ c⁻ʲ weights and never more than c/(c−1) = 3.5: the weight feeling is \
-                     better than with shock propagation (1) but not solved. The prediction that 8 sweeps hold 40 boxes is one of a model with one \
-                     point to a contact; in space each face has four, and rows one by one do not settle their tilts in time. Solved \
-                     manifold by manifold they do, or with more substeps."))
+    Ok(verdict.note(
+        "The fixed point of WA carries Σ c⁻ʲ weights and never more than c/(c−1) = 3.5: the weight \
+        feeling is better than with shock propagation (1) but not solved. The prediction that 8 sweeps hold 40 \
+        boxes is one of a model with one point to a contact; in space each face has four, and rows one by one \
+        do not settle their tilts in time. Solved manifold by manifold they do, or with more substeps.",
+    ))
 }

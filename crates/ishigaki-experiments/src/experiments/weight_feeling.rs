@@ -51,7 +51,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         ("WA 1.4", wa(), |n| (1.0 - 1.4_f64.powf(-n)) / (1.0 - 1.0 / 1.4) / n),
     ];
     let mut chart = Chart::curves("Reading of the scale", "boxes", "reading / weight").log(true, true);
-    let mut verdict = Verdict::on("shock propagation loses the feeling of weight, its blend gives part of it back, WA solves it at no cost");
+    let mut verdict = Verdict::on(
+        "shock propagation loses the feeling of weight, its blend gives part of it \
+        back, WA solves it at no cost",
+    );
     let count = kinds.len() as f64;
     for (k, (name, solver, law)) in kinds.into_iter().enumerate() {
         let (mut seen, mut predicted) = (Vec::new(), Vec::new());
@@ -65,7 +68,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         chart = chart.series(name, Mark::Points, seen).series(format!("{name}, predicted"), Mark::Law, predicted);
     }
     lab.chart(chart);
-    Ok(verdict.note("WA reads Σ1.4⁻ʲ boxes, at most 3.5: under 40 boxes that is 9 % of the weight. Its claim to solve the weight feeling \
-                     holds for stacks of two or three boxes only. Blended shock needs far more sweeps than the others: its plain half \
-                     starts each step from the blend, far from its own solution (400 sweeps in `blended-shock` bring it home)."))
+    Ok(verdict.note(
+        "WA reads Σ1.4⁻ʲ boxes, at most 3.5: under 40 boxes that is 9 % of the weight. Its claim to \
+        solve the weight feeling holds for stacks of two or three boxes only. Blended shock needs far more \
+        sweeps than the others: its plain half starts each step from the blend, far from its own solution (400 \
+        sweeps in `blended-shock` bring it home).",
+    ))
 }
