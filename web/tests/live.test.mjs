@@ -222,10 +222,9 @@ test('the picture has a sky, a ground and lit stones; both themes, a phone too',
 test('plots and explanations are there for each technique', async () => {
   const { page, close } = await live('#scene=tower&n=4&paused=1', { width: 1000, height: 700 });
   const cards = page.locator('.card');
-  for (let i = 0; i < (await cards.count()); i++) {
-    await cards.nth(i).locator('.ask').click();
-    assert.ok((await cards.nth(i).locator('.explain').innerText()).length > 40, `card ${i} explains itself`);
-  }
+  await cards.locator('.ask').evaluateAll((buttons) => buttons.forEach((button) => button.click()));
+  for (const text of await cards.allInnerTexts()) assert.ok(text.length > 80, `${text} explains itself`);
+  for (const explain of await cards.locator('.explain').all()) assert.ok(await explain.isVisible());
   await page.locator('[data-tab=Plots]').click();
   await page.evaluate(() => {
     for (let i = 0; i < 30; i++) ishigaki.session.step();

@@ -78,6 +78,8 @@ class Page {
     addEventListener('hashchange', () => this.follow());
     acceptDrops((file) => void this.openFile(file));
     this.update();
+    // Only now the canvas has its size.
+    this.session.look();
     requestAnimationFrame((now) => this.loop(now, now));
   }
 

@@ -84,10 +84,15 @@ export class Session {
     this.behind = 0;
     this.held = [];
     this.stage.setViews(sides.length);
-    const first = this.first;
-    this.around = this.stage.look(first.world.model, first.frame, first.world.about.camera);
+    this.look();
     this.show();
     this.onchange();
+  }
+
+  /** Looks at the scene from where it says, as near as it fits the window. */
+  look(): void {
+    const { world, frame } = this.first;
+    this.around = this.stage.look(world.model, frame, world.about.camera);
   }
 
   get first(): Side {
@@ -116,18 +121,18 @@ export class Session {
       if (changed) view.show(side.world.model, side.frame, this.around, side.world.about.length_scale);
       view.update(side.frame, this.colorMode);
       const inside = ['contacts', 'rows', 'joints', 'centers'].some((name) => this.overlays.has(name as OverlayName));
-      view.setOpacity(inside ? 0.45 : 1);
+      view.setOpacity(inside ? 0.55 : 1);
       const size = side.world.about.length_scale;
       view.arrows.update(
         this.overlays.has('contacts') ? side.world.contacts() : new Float32Array(),
-        0.5 * size,
+        0.8 * size,
         this.weightStep(side),
       );
       view.lines.update(this.lines(side));
     });
   }
 
-  /** What gravity adds to the speed of a body in a step: an arrow of this impulse is as long as half a body. */
+  /** What gravity adds to the speed of a body in a step: an arrow of this impulse is nearly as long as a body. */
   private weightStep(side: Side): number {
     const gravity = JSON.parse(side.options.get('gravity') ?? '[]') as number[];
     return Math.hypot(...gravity) * this.dt || GRAVITY_STEP;

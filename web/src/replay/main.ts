@@ -189,9 +189,9 @@ class Player {
     if (!recording || !view) return;
     const { scene } = recording;
     view.update(recording.frame(this.frame), this.color);
-    view.setOpacity(this.contacts ? 0.45 : 1);
+    view.setOpacity(this.contacts ? 0.55 : 1);
     const weight = Math.hypot(...(scene.options.gravity ?? [0, 9.81, 0])) * scene.dt || 9.81 * scene.dt;
-    view.arrows.update(this.contacts ? recording.arrows(this.frame) : new Float32Array(), 0.5 * (scene.options.length_scale ?? 1), weight);
+    view.arrows.update(this.contacts ? recording.arrows(this.frame) : new Float32Array(), 0.8 * (scene.options.length_scale ?? 1), weight);
     this.slider.value = String(this.frame);
     const m = recording.measures(this.frame);
     this.counter.textContent = `${this.frame} / ${recording.length - 1}`;

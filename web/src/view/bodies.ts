@@ -39,7 +39,8 @@ export class Bodies {
 
   constructor(model: SceneModel, grain: boolean) {
     this.palette = new Palette(model.bodies);
-    const made = forms(model.geometries);
+    const count = model.bodies.reduce((sum, body) => sum + body.shapes.length, 0);
+    const made = forms(model.geometries, count);
     const groups = new Map<string, { make: () => BufferGeometry; sensor: boolean; shapes: Placed[] }>();
     model.bodies.forEach((body, place) => {
       for (const shape of body.shapes) {

@@ -1,27 +1,28 @@
 // Where the bodies are: for the camera, the light and the shadows.
 
-import { Box3, Sphere, Vector3 } from 'three';
+import { Box3, Quaternion, Vector3 } from 'three';
 import { POSE, type Frame, type Geometry, type SceneModel } from '../scene';
 
-/** Around all bodies whose shapes are bounded, and the dynamic ones if there are any. */
-export function boundingSphere(model: SceneModel, frame: Frame): Sphere {
+/** Around the dynamic bodies; around all whose shapes are bounded, if there are none. */
+export function boundingBox(model: SceneModel, frame: Frame): Box3 {
   const [all, dynamic] = [new Box3(), new Box3()];
   model.bodies.forEach((body, place) => {
     const center = new Vector3().fromArray(frame.poses, place * POSE);
     if (!Number.isFinite(center.x + center.y + center.z)) return;
+    const turn = new Quaternion().fromArray(frame.poses, place * POSE + 3);
     for (const shape of body.shapes) {
       const geometry = model.geometries[shape.geometry];
       const radius = geometry && reach(geometry);
       if (radius === undefined) continue;
-      const size = new Vector3().setScalar(2 * (radius + new Vector3(...shape.position).length()));
+      const size = new Vector3().setScalar(2 * radius);
+      center.fromArray(frame.poses, place * POSE).add(new Vector3(...shape.position).applyQuaternion(turn));
       const box = new Box3().setFromCenterAndSize(center, size);
       all.union(box);
       if (body.kind === 'dynamic') dynamic.union(box);
     }
   });
   const box = dynamic.isEmpty() ? all : dynamic;
-  if (box.isEmpty()) return new Sphere(new Vector3(), 5);
-  return box.getBoundingSphere(new Sphere());
+  return box.isEmpty() ? box.setFromCenterAndSize(new Vector3(), new Vector3().setScalar(6)) : box;
 }
 
 /** Farthest point from the origin, m; nothing for what has no bounds. */

@@ -15,16 +15,18 @@ export interface Form {
 /** More boxes of different sizes than this are scaled copies of one box without a bevel. */
 const BEVELED_SIZES = 48;
 
-export function forms(geometries: Geometry[]): (Form | null)[] {
+/** `shapes`: how many there are in all; round ones get fewer triangles in a crowd, where each is small. */
+export function forms(geometries: Geometry[], shapes: number): (Form | null)[] {
   const sizes = new Set(geometries.flatMap((g) => ('cuboid' in g ? [g.cuboid.half_extents.join()] : [])));
-  return geometries.map((geometry, place) => form(geometry, place, sizes.size <= BEVELED_SIZES));
+  const round = shapes > 1500 ? 14 : 28;
+  return geometries.map((geometry, place) => form(geometry, place, sizes.size <= BEVELED_SIZES, round));
 }
 
 /** `null` for half-spaces, which are drawn as ground. */
-function form(geometry: Geometry, place: number, beveled: boolean): Form | null {
+function form(geometry: Geometry, place: number, beveled: boolean, round: number): Form | null {
   const same = (s: number): Vec3 => [s, s, s];
   if ('ball' in geometry) {
-    return { key: 'ball', scale: same(geometry.ball.radius), make: () => new SphereGeometry(1, 28, 18) };
+    return { key: 'ball', scale: same(geometry.ball.radius), make: () => new SphereGeometry(1, round, Math.round(0.65 * round)) };
   }
   if ('cuboid' in geometry) {
     const half = geometry.cuboid.half_extents;
@@ -34,15 +36,15 @@ function form(geometry: Geometry, place: number, beveled: boolean): Form | null 
   if ('capsule' in geometry) {
     const { half_length, radius } = geometry.capsule;
     const ratio = Number((half_length / radius).toPrecision(4));
-    return { key: `capsule ${ratio}`, scale: same(radius), make: () => new CapsuleGeometry(1, 2 * ratio, 8, 20) };
+    return { key: `capsule ${ratio}`, scale: same(radius), make: () => new CapsuleGeometry(1, 2 * ratio, Math.round(round / 4), round) };
   }
   if ('cylinder' in geometry) {
     const { half_height, radius } = geometry.cylinder;
-    return { key: 'cylinder', scale: [radius, half_height, radius], make: () => new CylinderGeometry(1, 1, 2, 32) };
+    return { key: 'cylinder', scale: [radius, half_height, radius], make: () => new CylinderGeometry(1, 1, 2, round) };
   }
   if ('cone' in geometry) {
     const { half_height, radius } = geometry.cone;
-    return { key: 'cone', scale: [radius, half_height, radius], make: () => new ConeGeometry(1, 2, 32) };
+    return { key: 'cone', scale: [radius, half_height, radius], make: () => new ConeGeometry(1, 2, round) };
   }
   if ('half_space' in geometry) return null;
   return { key: `mesh ${place}`, scale: same(1), make: () => triangles(geometry) };

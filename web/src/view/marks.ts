@@ -9,6 +9,7 @@ import {
   Matrix4,
   MeshBasicMaterial,
   Quaternion,
+  SphereGeometry,
   Vector3,
   type BufferGeometry,
 } from 'three';
@@ -51,7 +52,7 @@ export class Arrows {
       const length = size * Math.min(strength, LONGEST);
       if (arrows[at + 7]) color.copy(FROZEN);
       else color.lerpColors(WEAK, STRONG, Math.min(strength / 3, 1));
-      points.setMatrixAt(i, matrix.compose(position, rotation, scale.setScalar(1.6 * thick)));
+      points.setMatrixAt(i, matrix.compose(position, rotation, scale.setScalar(2.2 * thick)));
       const head = Math.min(0.16 * size, 0.6 * length);
       shafts.setMatrixAt(i, matrix.compose(position, rotation, scale.set(thick, Math.max(length - head, 1e-6), thick)));
       position.addScaledVector(direction, length - head);
@@ -75,7 +76,7 @@ export class Arrows {
       this.group.add(mesh);
       return mesh;
     };
-    this.points = make(new CylinderGeometry(1, 1, 0.4, 10));
+    this.points = make(new SphereGeometry(1, 10, 8));
     this.shafts = make(new CylinderGeometry(1, 1, 1, 6).translate(0, 0.5, 0));
     this.heads = make(new ConeGeometry(1, 1, 10).translate(0, 0.5, 0));
   }

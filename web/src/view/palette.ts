@@ -20,19 +20,19 @@ export const SCENERY: Record<Theme, Scenery> = {
     sky: '#eeeae2',
     ground: '#e3ddd1',
     line: '#b9b0a0',
-    sun: 2.6,
-    fill: 1.5,
+    sun: 2.5,
+    fill: 1.65,
     skyLight: '#ffffff',
     groundLight: '#cbbfae',
   },
   dark: {
-    sky: '#15181d',
-    ground: '#1d2127',
-    line: '#3b434d',
-    sun: 2.4,
-    fill: 0.95,
-    skyLight: '#b9c8e6',
-    groundLight: '#4a4038',
+    sky: '#171a1f',
+    ground: '#43423f',
+    line: '#74726c',
+    sun: 2.0,
+    fill: 1.45,
+    skyLight: '#d9d7d4',
+    groundLight: '#8a8178',
   },
 };
 
@@ -65,7 +65,7 @@ export const REST_NAMES: Record<Rest, string> = {
 const STONES = ['#c2b8a6', '#b3a894', '#cfc6b6', '#a89f90', '#bcae9a', '#9f9a92', '#c9bba3'].map((c) => new Color(c));
 const HEAVY = ['#4a5568', '#3f4a5c', '#556074'].map((c) => new Color(c));
 const PALE = ['#e9e2d4', '#efe9dd', '#e0d8c8'].map((c) => new Color(c));
-const FIXED = new Color('#7d7b78');
+const FIXED = new Color('#98948c');
 const KINEMATIC = new Color('#4c6fa6');
 const SHOT = new Color('#c8452c');
 const FLOATING = new Color('#8b8b8b');

@@ -1,6 +1,7 @@
 // The canvas: one camera for one or two views side by side, each a scene with its own light.
 
 import {
+  Box3,
   Color,
   DirectionalLight,
   Fog,
@@ -8,6 +9,7 @@ import {
   NeutralToneMapping,
   PCFShadowMap,
   PerspectiveCamera,
+  Quaternion,
   Raycaster,
   Scene,
   Sphere,
@@ -18,7 +20,7 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Camera, Frame, SceneModel } from '../scene';
 import { Bodies } from './bodies';
-import { boundingSphere } from './bounds';
+import { boundingBox } from './bounds';
 import { Ground } from './ground';
 import { Arrows, Lines } from './marks';
 import { SCENERY, type ColorMode, type Theme } from './palette';
@@ -166,34 +168,60 @@ export class Stage {
     this.views.forEach((view) => view.setTheme(theme));
   }
 
-  /** Looks at a scene from where it says, or from in front. */
+  /** Looks at a scene from where it says, or from in front, as near as it fits the window. */
   look(model: SceneModel, frame: Frame, hint?: Camera | null): Sphere {
-    const around = boundingSphere(model, frame);
+    const box = boundingBox(model, frame);
+    const around = box.getBoundingSphere(new Sphere());
     const up = new Vector3(...model.up);
     const target = hint ? new Vector3(...hint.target) : around.center.clone();
-    const eye = hint
-      ? new Vector3(...hint.position)
-      : new Vector3(0.6, 0.45, 1).applyQuaternion(this.camera.quaternion.clone().setFromUnitVectors(new Vector3(0, 1, 0), up)).normalize().multiplyScalar(2.6 * around.radius).add(target);
-    // What fits a wide window must fit a narrow one.
-    const aspect = this.canvas.clientWidth / Math.max(this.views.length, 1) / Math.max(this.canvas.clientHeight, 1);
-    eye.sub(target).multiplyScalar(Math.max(1, Math.min(1.3 / aspect, 3))).add(target);
+    const turn = new Quaternion().setFromUnitVectors(new Vector3(0, 1, 0), up);
+    const front = new Vector3(0.6, 0.45, 1).normalize().applyQuaternion(turn);
+    const eye = hint ? new Vector3(...hint.position) : front.multiplyScalar(3 * around.radius).add(target);
     this.controls.dispose();
     this.camera.up.copy(up);
-    this.camera.position.copy(eye);
     this.camera.near = 0.002 * around.radius;
     this.camera.far = 200 * around.radius + 200;
+    this.camera.position.copy(eye);
+    this.camera.lookAt(target);
+    this.fit(box, target);
     this.controls = this.makeControls();
     this.controls.target.copy(target);
     this.controls.update();
     return around;
   }
 
+  /** Steps back until the box is in the window, or nearer while it is small. */
+  private fit(box: Box3, target: Vector3): void {
+    this.shapeCamera();
+    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map(
+      (i) => new Vector3(i & 1 ? box.max.x : box.min.x, i & 2 ? box.max.y : box.min.y, i & 4 ? box.max.z : box.min.z),
+    );
+    /** 1: the box reaches the rim of the window. */
+    const filled = (): number => {
+      this.camera.updateMatrixWorld();
+      const parts = corners.map((corner) => {
+        const { x, y, z } = corner.clone().project(this.camera);
+        // Bar and labels are at the top.
+        return z > 1 ? 10 : Math.max(Math.abs(x), 1.2 * Math.abs(y));
+      });
+      return Math.max(...parts);
+    };
+    const move = (factor: number): void => void this.camera.position.sub(target).multiplyScalar(factor).add(target);
+    for (let i = 0; i < 40 && filled() > 0.86; i++) move(1.06);
+    for (let i = 0; i < 10 && filled() < 0.6; i++) move(0.95);
+  }
+
+  private shapeCamera(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    this.camera.aspect = clientWidth / Math.max(this.views.length, 1) / Math.max(clientHeight, 1);
+    this.camera.updateProjectionMatrix();
+  }
+
   draw(): void {
     this.controls.update();
     const { clientWidth: width, clientHeight: height } = this.canvas;
     const part = width / Math.max(this.views.length, 1);
-    this.camera.aspect = part / Math.max(height, 1);
-    this.camera.updateProjectionMatrix();
+    this.shapeCamera();
     this.views.forEach((view, i) => {
       this.renderer.setViewport(i * part, 0, part, height);
       this.renderer.setScissor(i * part, 0, part, height);
