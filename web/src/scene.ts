@@ -28,10 +28,24 @@ export interface Body {
   shapes: Shape[];
 }
 
+export interface Placement {
+  position: Vec3;
+  rotation: Quat;
+}
+
+export interface Joint {
+  kind: 'ball' | 'hinge' | 'slider' | 'fixed' | 'distance' | 'generic';
+  body_a: number;
+  body_b: number;
+  frame_a: Placement;
+  frame_b: Placement;
+}
+
 export interface SceneModel {
   up: Vec3;
   geometries: Geometry[];
   bodies: Body[];
+  joints: Joint[];
 }
 
 export interface Camera {

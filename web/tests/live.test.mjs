@@ -152,7 +152,7 @@ test('the mouse pulls a body up and lets it go', async () => {
   const before = await height();
   await page.mouse.move(place.x, place.y);
   await page.mouse.down();
-  await page.mouse.move(place.x, place.y - 120, { steps: 4 });
+  await page.mouse.move(place.x, place.y - 230, { steps: 4 });
   await page.evaluate(() => {
     for (let i = 0; i < 60; i++) ishigaki.session.step();
   });

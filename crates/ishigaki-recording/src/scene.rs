@@ -137,6 +137,12 @@ impl Placement {
 }
 
 impl Scene {
+    /// Describes a world as it is now, its bodies numbered in slot order.
+    pub fn describe(world: &World, about: &About) -> Self {
+        let numbers = world.bodies().zip(0..).map(|((handle, _), number)| (handle, number)).collect();
+        Self::of(world, about, &numbers)
+    }
+
     /// Describes a world; `numbers` are those of its bodies.
     pub(crate) fn of(world: &World, about: &About, numbers: &BTreeMap<BodyHandle, u32>) -> Self {
         let mut geometries = Geometries::default();

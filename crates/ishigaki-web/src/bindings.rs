@@ -4,7 +4,7 @@
     expect(clippy::needless_pass_by_value, reason = "wasm-bindgen hands over what it made")
 )]
 
-use crate::{Overlay, Source, Testbed, contact_arrows, controls, lines, scene_geometry};
+use crate::{Overlay, Source, Testbed, contact_arrows, controls, lines};
 use ishigaki::report::Stage;
 use ishigaki::{StepReport, Vec3};
 use ishigaki_scenes::{list, list_options};
@@ -121,9 +121,9 @@ impl JsTestbed {
         self.describe(self.testbed.world().report())
     }
 
-    /// Shapes as JSON; ask again when [`geometryVersion`](Self::geometry_version) changes.
+    /// Bodies, shapes and joints as JSON, as in a recording (`docs/recording-format.md`); ask again when [`geometryVersion`](Self::geometry_version) changes.
     pub fn geometry(&self) -> String {
-        to_json(&scene_geometry(self.testbed.world()))
+        to_json(&self.testbed.description())
     }
 
     /// Raised whenever bodies come or go.

@@ -6,11 +6,9 @@
 
 pub mod bindings;
 mod controls;
-mod geometry;
 mod overlay;
 mod testbed;
 
 pub use controls::{Control, ControlKind, controls};
-pub use geometry::{SceneGeometry, scene_geometry};
 pub use overlay::{Overlay, contact_arrows, lines};
 pub use testbed::{BODY_STRIDE, POSE_STRIDE, Source, Testbed};

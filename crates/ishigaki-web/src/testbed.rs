@@ -1,6 +1,7 @@
 //! A scene that runs: stepping, options, the mouse, snapshots.
 
 use ishigaki::{Body, BodyHandle, BodyKind, QueryFilter, Shape, StepContext, StepReport, Vec3, World};
+use ishigaki_recording::About;
 use ishigaki_scenes::models::{self, ImportOptions};
 use ishigaki_scenes::{Result, Scene, SceneError, SceneFile, named, set_option};
 
@@ -73,6 +74,12 @@ impl Testbed {
     /// As it is now.
     pub fn world(&self) -> &World {
         &self.scene.world
+    }
+
+    /// Bodies, shapes and joints, as a recording describes them.
+    pub fn description(&self) -> ishigaki_recording::Scene {
+        let about = About { name: self.scene.name.clone(), dt: self.scene.dt, every: 1, contacts: false, camera: None };
+        ishigaki_recording::Scene::describe(self.world(), &about)
     }
 
     /// Raised whenever bodies come or go, so that shapes must be asked for anew.

@@ -75,6 +75,10 @@ export interface Engine {
   version: string;
 }
 
+/** Numbers of a body's state: rest, height, island, speed. */
+const STATE = 4;
+type Columns = [Float32Array, Float32Array, Float32Array, Float32Array];
+
 const PRESETS = ['plain', 'talk', 'default'];
 
 export async function loadEngine(): Promise<Engine> {
@@ -133,8 +137,15 @@ export class World {
 
   frame(): Frame {
     const states = this.testbed.states();
-    const column = (k: number): Float32Array => Float32Array.from({ length: states.length / 4 }, (_, i) => states[4 * i + k] ?? 0);
-    return { poses: this.testbed.poses(), rest: column(0), heights: column(1), islands: column(2), speeds: column(3) };
+    const bodies = states.length / STATE;
+    const [rest, heights, islands, speeds] = [0, 1, 2, 3].map(() => new Float32Array(bodies)) as Columns;
+    for (let i = 0, at = 0; i < bodies; i++, at += STATE) {
+      rest[i] = states[at] ?? 0;
+      heights[i] = states[at + 1] ?? 0;
+      islands[i] = states[at + 2] ?? 0;
+      speeds[i] = states[at + 3] ?? 0;
+    }
+    return { poses: this.testbed.poses(), rest, heights, islands, speeds };
   }
 
   options(): Map<string, string> {

@@ -20,6 +20,8 @@ const KEYS: [key: string, does: string][] = [
   ['C', 'two configurations side by side'],
   ['S / L', 'save / restore a snapshot'],
   ['1 … 6', 'overlays'],
+  ['← → ↑ ↓', 'look from another side'],
+  ['+ / −', 'nearer, farther'],
   ['P', 'hide or show the panel'],
   ['D', 'dark or light'],
   ['?', 'this list'],
@@ -229,6 +231,12 @@ class Page {
       p: () => this.togglePanel(),
       d: () => this.theme.toggle(),
       '?': () => this.help.showModal(),
+      arrowleft: () => this.stage.orbit(-0.08, 0, 1),
+      arrowright: () => this.stage.orbit(0.08, 0, 1),
+      arrowup: () => this.stage.orbit(0, 0.06, 1),
+      arrowdown: () => this.stage.orbit(0, -0.06, 1),
+      '+': () => this.stage.orbit(0, 0, 0.93),
+      '-': () => this.stage.orbit(0, 0, 1.07),
     };
     const action = overlay
       ? (): void => document.querySelector<HTMLInputElement>(`[data-overlay=${overlay.id}]`)?.click()
@@ -256,6 +264,7 @@ class Page {
     );
     const link = writeLink(session, this.engine);
     if (location.hash !== link) history.replaceState(null, '', link);
+    this.drawHud();
     document.title = `Ishigaki · ${session.first.world.about.name || 'live'}`;
   }
 
@@ -276,7 +285,7 @@ class Page {
     const slow = session.playing && session.rate < 0.9 * session.speed ? `${short(session.rate)}× real time` : '';
     const words = [
       `${report.time.toFixed(2)} s`,
-      `${short(report.bodies)} bodies`,
+      `${short(session.first.world.model.bodies.length)} bodies`,
       report.asleep > 0 ? `${short(report.asleep)} asleep` : '',
       `${short(report.contacts)} contacts`,
       `${short(report.rows)} rows`,

@@ -32,7 +32,7 @@ class Player {
   private readonly welcome: HTMLElement;
 
   constructor() {
-    const canvas = h('canvas', { id: 'stage', tabindex: 0, 'aria-label': 'The recorded scene: drag to look around' });
+    const canvas = h('canvas', { id: 'stage', tabindex: 0, 'aria-label': 'The recorded scene: drag to look around, or use the keys up, down, [, ], + and −' });
     this.welcome = this.makeWelcome();
     const app = document.querySelector('#app') as HTMLElement;
     const query = new URLSearchParams(location.search);
@@ -241,6 +241,12 @@ class Player {
       ArrowLeft: () => this.stepBy(event.shiftKey ? -10 : -1),
       Home: () => this.seek(0),
       End: () => this.seek(last),
+      ArrowUp: () => this.stage.orbit(0, 0.06, 1),
+      ArrowDown: () => this.stage.orbit(0, -0.06, 1),
+      '[': () => this.stage.orbit(-0.08, 0, 1),
+      ']': () => this.stage.orbit(0.08, 0, 1),
+      '+': () => this.stage.orbit(0, 0, 0.93),
+      '-': () => this.stage.orbit(0, 0, 1.07),
       '1': () => this.showContacts(!this.contacts),
       d: theme,
     };

@@ -23,6 +23,7 @@ import { Bodies } from './bodies';
 import { boundingBox } from './bounds';
 import { Ground } from './ground';
 import { Arrows, Lines } from './marks';
+import { Strings } from './strings';
 import { SCENERY, type ColorMode, type Theme } from './palette';
 
 /** `low`: no shadows, no grain, one pixel for one: for slow machines and quick tests. */
@@ -44,6 +45,7 @@ export class View {
   private readonly sky = new HemisphereLight();
   private bodies?: Bodies;
   private ground?: Ground;
+  private strings?: Strings;
   private theme: Theme = 'light';
   private quality: Quality;
 
@@ -60,11 +62,12 @@ export class View {
   show(model: SceneModel, frame: Frame, around: Sphere, cell: number): void {
     this.bodies?.dispose();
     this.ground?.dispose();
-    if (this.bodies) this.scene.remove(this.bodies.group);
-    if (this.ground) this.scene.remove(this.ground.group);
+    this.strings?.dispose();
+    for (const old of [this.bodies?.group, this.ground?.group, this.strings?.mesh]) if (old) this.scene.remove(old);
     this.bodies = new Bodies(model, this.quality === 'high');
     this.ground = new Ground(model, 40 * around.radius, cell);
-    this.scene.add(this.bodies.group, this.ground.group);
+    this.strings = new Strings(model);
+    this.scene.add(this.bodies.group, this.ground.group, this.strings.mesh);
     this.light(new Vector3(...model.up), around);
     this.setTheme(this.theme);
     this.update(frame, 'stone');
@@ -103,6 +106,7 @@ export class View {
   update(frame: Frame, mode: ColorMode): void {
     this.bodies?.update(frame, mode);
     this.ground?.update(frame);
+    this.strings?.update(frame);
   }
 
   setOpacity(opacity: number): void {
@@ -112,6 +116,7 @@ export class View {
   dispose(): void {
     this.bodies?.dispose();
     this.ground?.dispose();
+    this.strings?.dispose();
     this.arrows.dispose();
     this.lines.dispose();
     this.sun.dispose();
@@ -227,6 +232,18 @@ export class Stage {
       this.renderer.setScissor(i * part, 0, part, height);
       this.renderer.render(view.scene, this.camera);
     });
+  }
+
+  /** Around the target by angles (rad); the distance times `factor`. For keys: the mouse has its own way. */
+  orbit(around: number, upward: number, factor: number): void {
+    const { target } = this.controls;
+    const arm = this.camera.position.clone().sub(target);
+    const axis = new Vector3().crossVectors(arm, this.camera.up).normalize();
+    const tilt = arm.angleTo(this.camera.up);
+    const allowed = Math.min(Math.max(tilt - upward, 0.05), this.controls.maxPolarAngle);
+    arm.applyAxisAngle(axis, tilt - allowed).applyAxisAngle(this.camera.up, around);
+    this.camera.position.copy(target).addScaledVector(arm, factor);
+    this.controls.update();
   }
 
   /** From the eye through a point of the window. */
