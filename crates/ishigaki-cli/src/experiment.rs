@@ -4,7 +4,7 @@ use crate::failure::{At, Failure};
 use crate::output::{self, AtomicFile};
 use crate::progress::now;
 use clap::Args;
-use ishigaki_experiments::{Effort, Experiment, Output, Verdict, find, index, list};
+use ishigaki_experiments::{Effort, Experiment, Output, Verdict, find, index, list, markdown};
 use serde_json::json;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 pub struct RunExperiment {
     /// An experiment, or `all`; without it, the experiments are listed.
     name: Option<String>,
-    /// The folder for plots (SVG, PNG), data (CSV) and, with `all`, index.html; made if it is not there.
+    /// The folder for plots (SVG, PNG), data (CSV), verdicts (Markdown) and, with `all`, index.html; made if need be.
     #[arg(long, value_name = "DIR", requires = "name")]
     out: Option<PathBuf>,
     /// A short version of each: less data, weaker figures.
@@ -82,7 +82,8 @@ fn write_files(folder: &Path, experiment: &Experiment, done: &Output) -> Result<
     let name = experiment.name;
     write(folder, &format!("{name}.svg"), done.svg.as_bytes())?;
     write(folder, &format!("{name}.png"), &done.png)?;
-    write(folder, &format!("{name}.csv"), done.csv.as_bytes())
+    write(folder, &format!("{name}.csv"), done.csv.as_bytes())?;
+    write(folder, &format!("{name}.md"), markdown::verdict(&done.verdict).as_bytes())
 }
 
 fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {

@@ -14,7 +14,7 @@ fn one_experiment_leaves_plot_data_and_verdict() {
     let mut names: Vec<_> =
         std::fs::read_dir(folder.path().join("plots")).unwrap().map(|e| e.unwrap().file_name()).collect();
     names.sort();
-    assert_eq!(names, ["free-fall.csv", "free-fall.png", "free-fall.svg"]);
+    assert_eq!(names, ["free-fall.csv", "free-fall.md", "free-fall.png", "free-fall.svg"]);
 }
 
 #[test]

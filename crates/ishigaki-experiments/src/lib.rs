@@ -15,6 +15,7 @@ pub mod chart;
 mod experiments;
 pub mod index;
 mod lab;
+pub mod markdown;
 mod picture;
 mod setup;
 pub mod talk;

@@ -239,10 +239,12 @@ fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
+// ANCHOR: parallel_axis
 /// m (d·d 1 − ddᵀ): what a mass adds to the inertia about a point at −d from its center.
 fn parallel_axis(mass: f64, d: DVec3) -> DMat3 {
     mass * (DMat3::from_diagonal(DVec3::splat(d.length_squared())) - outer(d))
 }
+// ANCHOR_END: parallel_axis
 
 /// Moments and axes (I = Q diag(moments) Qᵀ) of a symmetric matrix by cyclic Jacobi rotations.
 ///

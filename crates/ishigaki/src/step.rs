@@ -51,6 +51,7 @@ impl World {
         let mut watch = Watch::start(context.clock.as_deref_mut());
         let mut plan = std::mem::take(&mut self.scratch.plan);
 
+        // ANCHOR: stages
         if self.begin(dt) {
             watch.lap(Stage::Begin);
             self.find_pairs(dt);
@@ -73,6 +74,7 @@ impl World {
             self.complete_report(&plan);
             watch.lap(Stage::PutToRest);
         }
+        // ANCHOR_END: stages
 
         self.scratch.plan = plan;
         self.report.stage_seconds = watch.seconds;

@@ -53,6 +53,7 @@ impl Feature {
     }
 }
 
+// ANCHOR: feature_id
 /// A feature of A × a feature of B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct FeatureId {
@@ -61,6 +62,7 @@ pub struct FeatureId {
     /// On shape B.
     pub b: Feature,
 }
+// ANCHOR_END: feature_id
 
 impl FeatureId {
     /// The pair of features.

@@ -16,6 +16,7 @@ pub struct Bound {
     pub coefficient: f32,
 }
 
+// ANCHOR: coupling
 /// How the bounds of a row follow from other rows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Coupling {
@@ -31,3 +32,4 @@ pub enum Coupling {
     /// A row that is solved with an earlier one: the second of a disk, or one of a block.
     Partner,
 }
+// ANCHOR_END: coupling

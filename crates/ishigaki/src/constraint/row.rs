@@ -16,6 +16,7 @@ pub struct Jacobian {
     pub angular_b: Vec3,
 }
 
+// ANCHOR: jacobian
 impl Jacobian {
     /// Velocity along `axis` of a point of A relative to a point of B; arms from the centers of mass. TALK B5.
     pub fn point(axis: Vec3, arm_a: Vec3, arm_b: Vec3) -> Self {
@@ -33,7 +34,9 @@ impl Jacobian {
         Self { linear: -self.linear, angular_a: -self.angular_a, angular_b: -self.angular_b }
     }
 }
+// ANCHOR_END: jacobian
 
+// ANCHOR: row_spec
 /// What a constraint asks of one row in one substep, before masses come in.
 ///
 /// w = J u + γλ + bias, with λ in [lower, upper].
@@ -52,6 +55,7 @@ pub struct RowSpec {
     /// Greatest impulse.
     pub upper: f32,
 }
+// ANCHOR_END: row_spec
 
 impl RowSpec {
     /// A hard equality J u = −bias whose bias is recovery alone.

@@ -13,6 +13,7 @@ use crate::collision::manifold::{Contact, Frozen};
 use crate::math::{Pose, vector_from_rotation};
 use crate::options::{AggressiveSleep, WorldOptions};
 
+// ANCHOR: stays_frozen
 /// Whether the pair keeps its rows in this step.
 pub(crate) fn stays_frozen(contact: &Contact, a: &BodyState, b: &BodyState, options: &WorldOptions) -> bool {
     let settings = &options.rest.aggressive_sleep;
@@ -26,6 +27,7 @@ pub(crate) fn stays_frozen(contact: &Contact, a: &BodyState, b: &BodyState, opti
     let turn = vector_from_rotation(frozen.b_in_a.rotation.inverse() * now.rotation).length();
     shift <= settings.thaw_distance * slop && turn <= settings.thaw_angle
 }
+// ANCHOR_END: stays_frozen
 
 /// Freezes a pair whose rows have just been refreshed, if both bodies are at rest.
 pub(crate) fn freeze_if_at_rest(contact: &mut Contact, a: &BodyState, b: &BodyState, options: &WorldOptions) {

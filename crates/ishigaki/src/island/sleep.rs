@@ -9,6 +9,7 @@ use crate::body::BodyState;
 use crate::options::Sleep;
 use crate::world::World;
 
+// ANCHOR: count_rest_time
 /// Adds up the time a body has been slow.
 pub(crate) fn count_rest_time(body: &mut BodyState, settings: &Sleep, length_scale: f32, dt: f32) {
     let root = length_scale.sqrt();
@@ -16,6 +17,7 @@ pub(crate) fn count_rest_time(body: &mut BodyState, settings: &Sleep, length_sca
         && body.angular_velocity.length() < settings.angular_speed / root;
     body.rest_time = if slow && body.can_sleep { body.rest_time + dt } else { 0.0 };
 }
+// ANCHOR_END: count_rest_time
 
 impl World {
     /// Puts islands to sleep whose bodies have all been slow long enough.

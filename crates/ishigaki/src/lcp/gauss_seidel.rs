@@ -21,6 +21,7 @@ use crate::solver::permutation::Random;
 /// assert!((1.9..2.1).contains(&(j as f64 / gs as f64)), "{j} / {gs}");
 /// # Ok::<(), ishigaki::Error>(())
 /// ```
+// ANCHOR: gauss_seidel
 pub fn gauss_seidel(problem: &BoxLcp, settings: &Settings) -> Solution {
     let mut rows: Vec<usize> = (0..problem.len()).collect();
     let mut random = Random(settings.seed);
@@ -34,3 +35,4 @@ pub fn gauss_seidel(problem: &BoxLcp, settings: &Settings) -> Solution {
         }
     })
 }
+// ANCHOR_END: gauss_seidel

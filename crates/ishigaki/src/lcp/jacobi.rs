@@ -21,6 +21,7 @@ use crate::lcp::settings::{Settings, Solution, iterate};
 /// assert!((solution.lambda[0] - 1.0).abs() < 1e-8);
 /// # Ok::<(), ishigaki::Error>(())
 /// ```
+// ANCHOR: jacobi
 pub fn jacobi(problem: &BoxLcp, settings: &Settings) -> Solution {
     iterate(problem, settings, |_, lambda| {
         let w = problem.w(lambda);
@@ -32,6 +33,7 @@ pub fn jacobi(problem: &BoxLcp, settings: &Settings) -> Solution {
         }
     })
 }
+// ANCHOR_END: jacobi
 
 /// Jacobi with every λ clipped to its bounds. Friction bounds follow the normals of the same sweep.
 pub fn projected_jacobi(problem: &BoxLcp, settings: &Settings) -> Solution {

@@ -21,6 +21,7 @@ use crate::solver::permutation::Random;
 /// assert!(5 * nncg(&stack, &settings).sweeps < projected_gauss_seidel(&stack, &settings).sweeps);
 /// # Ok::<(), ishigaki::Error>(())
 /// ```
+// ANCHOR: nncg
 pub fn nncg(problem: &BoxLcp, settings: &Settings) -> Solution {
     let mut visits = visits(problem);
     let mut random = Random(settings.seed);
@@ -51,3 +52,4 @@ pub fn nncg(problem: &BoxLcp, settings: &Settings) -> Solution {
         }
     })
 }
+// ANCHOR_END: nncg

@@ -42,6 +42,7 @@ pub(crate) fn visits(problem: &BoxLcp) -> Vec<usize> {
     (0..problem.len()).filter(|i| !is_second(i)).collect()
 }
 
+// ANCHOR: visit
 /// Solves row i, with its partner on a disk, for the others as they are.
 pub(crate) fn visit(problem: &BoxLcp, i: usize, relaxation: f64, lambda: &mut [f64]) {
     if let Some(friction) = &problem.friction[i]
@@ -59,6 +60,7 @@ pub(crate) fn visit(problem: &BoxLcp, i: usize, relaxation: f64, lambda: &mut [f
         bound_by_sign(lambda[i], w, lower, upper)
     };
 }
+// ANCHOR_END: visit
 
 /// Where a_ii = 0 the row cannot move w: λ goes to the bound that w asks for, if there is one.
 pub(crate) fn bound_by_sign(lambda: f64, w: f64, lower: f64, upper: f64) -> f64 {

@@ -25,6 +25,7 @@ pub enum Orthonormalization {
     Polar,
 }
 
+// ANCHOR: advance
 /// Turns a free body over `h` seconds; L stays, ω follows.
 pub fn advance(spin: &mut Spin, h: f32) {
     let r = turned_matrix(Mat3::from_quat(spin.rotation), spin.angular_velocity, h);
@@ -33,6 +34,7 @@ pub fn advance(spin: &mut Spin, h: f32) {
     // ω' = I'⁻¹ L'
     spin.angular_velocity = spin.inverse_inertia_times(spin.angular_momentum);
 }
+// ANCHOR_END: advance
 
 /// R + Δt `[ω]ₓ`R, as on the slide.
 pub fn turned_matrix(r: Mat3, angular_velocity: Vec3, h: f32) -> Mat3 {

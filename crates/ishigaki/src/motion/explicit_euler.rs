@@ -13,6 +13,7 @@ use super::Spin;
 use super::angular_momentum::{Orthonormalization, orthonormalized, turned_matrix};
 use crate::math::{Mat3, Quat};
 
+// ANCHOR: advance
 /// Turns a free body over `h` seconds; ω gains energy, L follows.
 pub fn advance(spin: &mut Spin, h: f32) {
     let omega = spin.angular_velocity;
@@ -23,3 +24,4 @@ pub fn advance(spin: &mut Spin, h: f32) {
     spin.angular_velocity = omega - h * spin.inverse_inertia_times(gyroscopic);
     spin.angular_momentum = spin.inertia_times(spin.angular_velocity);
 }
+// ANCHOR_END: advance

@@ -11,11 +11,13 @@
 use super::Spin;
 use crate::math::{Vec3, exp};
 
+// ANCHOR: accelerated
 /// v + h (F/m + g). The inverse mass is by world axis, zero along locked ones: gravity does not act there either.
 pub fn accelerated(velocity: Vec3, force: Vec3, inverse_mass: Vec3, gravity: Vec3, h: f32) -> Vec3 {
     let gravity = Vec3::select(inverse_mass.cmpgt(Vec3::ZERO), gravity, Vec3::ZERO);
     velocity + h * (force * inverse_mass + gravity)
 }
+// ANCHOR_END: accelerated
 
 /// What is left of a velocity after `h` seconds of damping (1/s): e^(−dh).
 pub fn damping_factor(damping: f32, h: f32) -> f32 {

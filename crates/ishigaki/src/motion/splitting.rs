@@ -22,6 +22,7 @@ pub fn advance(spin: &mut Spin, h: f32) {
         spin.rotation = turned(spin.rotation, spin.angular_velocity, h);
         return;
     }
+    // ANCHOR: five_turns
     let axes = spin.world_from_principal();
     let mut momentum = (axes.conjugate() * spin.angular_momentum).to_array();
     let mut turn = [0.0; 4];
@@ -30,6 +31,7 @@ pub fn advance(spin: &mut Spin, h: f32) {
     turn_about::<2>(&mut turn, &mut momentum, h * inverse.z);
     turn_about::<1>(&mut turn, &mut momentum, 0.5 * h * inverse.y);
     turn_about::<0>(&mut turn, &mut momentum, 0.5 * h * inverse.x);
+    // ANCHOR_END: five_turns
 
     // From principal to local axes: P exp(..) P⁻¹.
     let xyz = spin.principal_frame * Vec3::new(turn[0], turn[1], turn[2]);

@@ -9,6 +9,7 @@
 use crate::body::NO_HEIGHT;
 use std::collections::VecDeque;
 
+// ANCHOR: heights
 /// Hops from the ground for each of `heights.len()` nodes; `ground` nodes have 0. Links go both ways.
 ///
 /// Scratch arrays are the caller's, so that a settled world allocates nothing.
@@ -33,6 +34,7 @@ pub fn heights(links: &[(u32, u32)], is_ground: impl Fn(u32) -> bool, scratch: &
         }
     }
 }
+// ANCHOR_END: heights
 
 /// Adjacency in compressed rows, and the queue of the search.
 #[derive(Clone, Debug, Default)]

@@ -28,6 +28,7 @@ impl Random {
     }
 }
 
+// ANCHOR: before_sweep
 /// Puts the units into the order of the next sweep.
 pub fn before_sweep<T>(permutation: Permutation, sweep: u32, random: &mut Random, units: &mut [T]) {
     match permutation {
@@ -38,6 +39,7 @@ pub fn before_sweep<T>(permutation: Permutation, sweep: u32, random: &mut Random
         Permutation::Alternating => {}
     }
 }
+// ANCHOR_END: before_sweep
 
 /// Fisher–Yates.
 fn shuffle<T>(random: &mut Random, units: &mut [T]) {

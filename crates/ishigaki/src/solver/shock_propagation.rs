@@ -11,6 +11,7 @@ use crate::solver::manifold_block::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
 use crate::solver::weight_amplification::{Lower, lower};
 
+// ANCHOR: scale
 /// The scale of a contact between bodies of these heights.
 pub fn scale(height_a: u32, height_b: u32) -> MassScale {
     match lower(height_a, height_b) {
@@ -19,7 +20,9 @@ pub fn scale(height_a: u32, height_b: u32) -> MassScale {
         None => MassScale::ONE,
     }
 }
+// ANCHOR_END: scale
 
+// ANCHOR: sort_upward
 /// From the ground up: units sorted by the lower height of their two bodies, otherwise as they were.
 pub fn sort_upward(units: &mut [Unit], rows: &[Row], bodies: &[SolverBody]) {
     units.sort_by_key(|unit| {
@@ -29,3 +32,4 @@ pub fn sort_upward(units: &mut [Unit], rows: &[Row], bodies: &[SolverBody]) {
         if a == NO_HEIGHT || b == NO_HEIGHT { NO_HEIGHT } else { a.min(b) }
     });
 }
+// ANCHOR_END: sort_upward

@@ -6,11 +6,13 @@
 
 use crate::options::Slop;
 
+// ANCHOR: excess
 /// Overlap that counts as an error, m, for an overlap `depth` ≥ 0, m.
 #[inline]
 pub fn excess(depth: f32, slop_depth: f32) -> f32 {
     (depth - slop_depth).max(0.0)
 }
+// ANCHOR_END: excess
 
 /// The depth left alone in a world of this length scale, m; 0 when switched off.
 pub fn depth(options: &Slop, length_scale: f32) -> f32 {

@@ -7,6 +7,7 @@
 
 use crate::solver::table::{Row, SolverBody};
 
+// ANCHOR: warm_start
 /// Scales all λ and applies them.
 pub fn warm_start(factor: f32, rows: &mut [Row], bodies: &mut [SolverBody]) {
     for row in rows {
@@ -14,3 +15,4 @@ pub fn warm_start(factor: f32, rows: &mut [Row], bodies: &mut [SolverBody]) {
         row.apply(bodies, row.lambda);
     }
 }
+// ANCHOR_END: warm_start

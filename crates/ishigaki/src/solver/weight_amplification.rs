@@ -11,6 +11,7 @@ use crate::body::NO_HEIGHT;
 use crate::options::WeightAmplification;
 use crate::solver::table::MassScale;
 
+// ANCHOR: scale
 /// The scale of a contact between bodies of these heights.
 pub fn scale(options: &WeightAmplification, height_a: u32, height_b: u32) -> MassScale {
     let inverse = 1.0 / options.factor;
@@ -21,6 +22,7 @@ pub fn scale(options: &WeightAmplification, height_a: u32, height_b: u32) -> Mas
         None => MassScale::ONE,
     }
 }
+// ANCHOR_END: scale
 
 /// Which of two bodies is below the other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -60,6 +60,7 @@ impl Axis {
         (self.error[0] * self.error[0] + self.error[1] * self.error[1]).sqrt()
     }
 
+    // ANCHOR: rows
     /// Two rows.
     pub fn rows(&self, step: &JointStep, out: &mut Vec<RowSpec>) {
         for (tangent, error) in self.tangents.into_iter().zip(self.error) {
@@ -67,6 +68,7 @@ impl Axis {
             out.push(RowSpec::equality(Jacobian::rotation(tangent), step.recovery(-error)));
         }
     }
+    // ANCHOR_END: rows
 }
 
 /// The angle of B relative to A about `axis` (unit, in the joint's frame), rad; of all turns the one nearest to

@@ -150,8 +150,10 @@ fn has_passive(drive: &Drive) -> bool {
     drive.spring.is_some() || drive.armature > 0.0
 }
 
+// ANCHOR: one_sided
 /// Ċ + C/h ≥ 0 inside (C ≥ 0), Ċ + βC/h ≥ 0 outside.
 fn one_sided(jacobian: Jacobian, c: f32, step: &JointStep) -> RowSpec {
     let (bias, relax_bias) = if c >= 0.0 { (c / step.h, c / step.h) } else { (step.recovery(c), 0.0) };
     RowSpec { jacobian, softness: 0.0, bias, relax_bias, lower: 0.0, upper: f32::INFINITY }
 }
+// ANCHOR_END: one_sided

@@ -42,6 +42,7 @@ impl Point {
         self.gap.length()
     }
 
+    // ANCHOR: rows
     /// Three rows along world x, y, z.
     pub fn rows(&self, step: &JointStep, out: &mut Vec<RowSpec>) {
         for axis in Vec3::AXES {
@@ -51,6 +52,7 @@ impl Point {
             out.push(RowSpec::equality(jacobian, step.recovery(self.gap.dot(axis)) + arc));
         }
     }
+    // ANCHOR_END: rows
 }
 
 /// Acceleration of the end of an arm by the free turning of its body: ω×(ω×r) + ω̇×r, m/s².
