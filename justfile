@@ -15,6 +15,10 @@ test:
 web:
     cargo xtask web
 
+# The book into book/book, with all experiments.
+book *options:
+    bash scripts/book.sh {{options}}
+
 # What CI checks before the tests.
 lint:
     cargo fmt --all --check

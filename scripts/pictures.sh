@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draws the pictures of the README again: docs/pictures/*.png. Usage: bash scripts/pictures.sh
+# Draws the pictures of the README again: docs/pictures/*. Usage: bash scripts/pictures.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet --package ishigaki-cli
@@ -22,3 +22,10 @@ draw() {
 draw arch arch 120 --set rest.sleep.enabled=false --set rest.aggressive_sleep.enabled=false -- --contacts
 draw pile pile 240 -- --color name
 draw card_house card_house 300 -- --color name
+
+# Plots of experiments, as they are in the book.
+for name in euler-vs-angular-momentum friction-box-vs-disk weight-feeling; do
+  "$ishigaki" experiment "$name" --out "$work/plots" --quiet
+  cp "$work/plots/$name.svg" docs/pictures/
+  echo "docs/pictures/$name.svg"
+done
