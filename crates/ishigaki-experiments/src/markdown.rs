@@ -30,7 +30,7 @@ fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
         match c {
-            '|' | '*' | '_' | '`' | '<' | '[' | ']' | '\\' => out.extend(['\\', c]),
+            '|' | '*' | '_' | '<' | '[' | ']' | '\\' => out.extend(['\\', c]),
             _ => out.push(c),
         }
     }
