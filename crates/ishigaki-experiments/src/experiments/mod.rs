@@ -27,6 +27,7 @@ mod plank_on_two_towers;
 mod ragdoll_dies;
 mod range_of_motion;
 mod shock_propagation;
+mod simbenchmark;
 mod sleep;
 mod slop;
 mod talk_matrix;
@@ -75,5 +76,7 @@ pub fn list() -> &'static [&'static Experiment] {
         &aggressive_sleep::EXPERIMENT,
         &ragdoll_dies::EXPERIMENT,
         &technique_matrix::EXPERIMENT,
+        // Beyond the talk.
+        &simbenchmark::EXPERIMENT,
     ]
 }

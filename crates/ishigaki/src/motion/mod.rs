@@ -1,9 +1,10 @@
-//! Free motion of one body: forces on velocities, and three schemes for the rotation. TALK A1–A7.
+//! Free motion of one body: forces on velocities, the way from velocities, three schemes for the rotation. TALK A1–A7.
 //!
 //! Pure functions on plain values: they know no world, no option but the scheme, and no constraint.
 //! Everything that moves a body's rotation goes through [`Spin`], and [`advance`] chooses the scheme.
 
 pub mod angular_momentum;
+pub mod drift;
 pub mod explicit_euler;
 pub mod forces;
 pub mod splitting;

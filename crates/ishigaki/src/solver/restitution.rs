@@ -9,7 +9,7 @@
 
 use crate::collision::manifold::Manifold;
 use crate::constraint::contact::{self, Layout, Surface};
-use crate::options::FrictionModel;
+use crate::options::{DriftScheme, FrictionModel};
 use crate::solver::reference::solve_unit;
 use crate::solver::table::{Row, SolverBody, couple_disks};
 use arrayvec::ArrayVec;
@@ -34,6 +34,8 @@ pub struct Impact {
     pub threshold: f32,
     /// Substep, s.
     pub h: f32,
+    /// How bodies move on: it decides which velocity is reflected.
+    pub drift: DriftScheme,
 }
 
 /// Solves the manifold as an impact if it is one; gives the normal impulses to `impulses` and says whether it was.
@@ -62,8 +64,12 @@ pub fn resolve(
             is_impact = true;
             // w' = −e w₀ with the velocity w₀ before the forces of this substep: symplectic Euler falls on
             // ½v² + gy − ½ghv = const, and this v' keeps it. From w itself each bounce would gain gh|w|.
-            let before = w - row.forced_velocity(bodies);
-            row.bias = impact.restitution * before.min(0.0);
+            let forced = row.forced_velocity(bodies);
+            row.bias = impact.restitution * (w - forced).min(0.0);
+            if impact.drift == DriftScheme::Trapezoidal {
+                // The trapezoid falls on ½v² + gy = const: the forces of this substep act on after the bounce.
+                row.bias -= forced;
+            }
         } else {
             row.bias = separation.max(0.0) / impact.h; // the others must not close
         }

@@ -12,12 +12,13 @@ use crate::constraint::frame::JointStep;
 use crate::constraint::joint_rows::reaction;
 use crate::constraint::row::RowSpec;
 use crate::math::Vec3;
-use crate::motion::{self, Spin, forces};
+use crate::motion::{self, Spin, drift, forces};
+use crate::options::DriftScheme;
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::{Plan, scale_contacts};
 use crate::solver::restitution::{self, Impact};
 use crate::solver::table::{MassScale, Row, SolverBody, couple_disks};
-use crate::solver::{permutation, reference, residual, shock_propagation, slop, warm_start};
+use crate::solver::{permutation, reference, residual, shock_propagation, slop, table, warm_start};
 use crate::world::World;
 use arrayvec::ArrayVec;
 
@@ -205,6 +206,7 @@ impl World {
                     restitution: m.restitution,
                     threshold,
                     h,
+                    drift: self.options.motion.drift,
                 };
                 let mut impulses = [0.0; 4];
                 any |= restitution::resolve(&impact, manifold, &separations, model, &mut plan.bodies, |i, impulse| {
@@ -342,6 +344,9 @@ impl World {
     /// x += h v; R by the scheme of the rotation; kinematic bodies move as they are told.
     fn move_bodies(&mut self, plan: &mut Plan, h: f32) {
         let motion = &self.options.motion;
+        if motion.drift == DriftScheme::Trapezoidal {
+            table::mark_pushed(&plan.rows, &mut plan.bodies);
+        }
         let root = self.options.length_scale.sqrt();
         let (max_speed, max_angular_speed) = (motion.max_speed * root, motion.max_angular_speed / root);
         for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
@@ -359,8 +364,9 @@ impl World {
                 body.turn += h * state.angular_velocity;
                 state.rotation = motion::turned(state.rotation, state.angular_velocity, h);
             }
-            state.center += h * state.velocity;
-            body.translation += h * state.velocity;
+            let way = drift::displacement(motion.drift, state.velocity, body.forced_velocity, body.pushed, h);
+            state.center += way;
+            body.translation += way;
             (body.velocity, body.angular_velocity) = (state.velocity, state.angular_velocity);
         }
     }

@@ -28,6 +28,8 @@ pub struct SolverBody {
     pub turn: Vec3,
     /// Hops from the ground.
     pub height: u32,
+    /// A row pushes it in this substep; kept up for the trapezoidal drift only.
+    pub pushed: bool,
 }
 
 impl SolverBody {
@@ -43,6 +45,7 @@ impl SolverBody {
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,
         height: 0,
+        pushed: false,
     };
 }
 
@@ -250,5 +253,14 @@ pub fn couple_disks(rows: &mut [Row]) {
         if let Coupling::Disk(_) = rows[i].coupling {
             rows[i].cross_mass = inner(&rows[i].jacobian, &rows[i + 1].response);
         }
+    }
+}
+
+/// Notes which bodies some row pushes in this substep. Impulses of impacts do not count: they are over.
+pub fn mark_pushed(rows: &[Row], bodies: &mut [SolverBody]) {
+    bodies.iter_mut().for_each(|body| body.pushed = false);
+    for row in rows.iter().filter(|row| row.lambda != 0.0) {
+        bodies[row.body_a as usize].pushed = true;
+        bodies[row.body_b as usize].pushed = true;
     }
 }
