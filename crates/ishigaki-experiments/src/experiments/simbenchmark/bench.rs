@@ -79,7 +79,7 @@ impl Course {
     }
 
     pub fn add(&mut self, time: f64, value: f64) {
-        if self.count % self.every == 0 {
+        if self.count.is_multiple_of(self.every) {
             self.points.push((time, value));
         }
         self.sum += value;

@@ -47,7 +47,7 @@ fn scene(setting: Setting) -> Result<(World, BodyHandle)> {
 pub fn run(setting: Setting, most: usize, mut progress: impl FnMut(f64)) -> Result<usize> {
     let (mut world, last) = scene(setting)?;
     for step in 0..most {
-        if step % 500 == 0 {
+        if step.is_multiple_of(500) {
             progress(step as f64 / most as f64);
         }
         if body(&world, last)?.center().z < FALLEN {

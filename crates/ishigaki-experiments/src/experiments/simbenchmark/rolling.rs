@@ -86,3 +86,17 @@ pub fn run(setting: Setting, direction: Direction, seconds: f64) -> Result<Cours
     }
     Ok(course)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// M a_box = F − f₁ − 25 f₂ and a ball's lowest point has the acceleration of the box.
+    #[test]
+    fn exact_motion_obeys_newton() {
+        let [slab, ball] = exact();
+        assert!((slab - 0.7385).abs() < 5e-5 && (ball - 0.211).abs() < 5e-5);
+        assert!((MASSES[0] * slab + 25.0 * MASSES[1] * ball - (FORCE - 137.34)).abs() < 1e-9);
+        assert!((3.5 * ball - slab).abs() < 1e-9);
+    }
+}
