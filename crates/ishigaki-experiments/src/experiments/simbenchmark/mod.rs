@@ -97,10 +97,10 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     lab.chart(overview(&tasks, &tower)?);
     lab.chart(tower_chart(&tower)?);
     for (title, name, extra) in [
-        ("Rolling, pushed obliquely: squared error of the velocities", "rolling-oblique", rolling_series(&replays)),
-        ("Bouncing: squared error of the energy", "bouncing", bouncing_series(&bounce)),
-        ("666: Σ overlap²", "666", vec![]),
-        ("Elastic 666: squared error of the energy", "666-elastic", vec![]),
+        ("Rolling, pushed obliquely: error of the velocities", "rolling-oblique", rolling_series(&replays)),
+        ("Bouncing: error of the energy", "bouncing", bouncing_series(&bounce)),
+        ("666: root of Σ overlap²", "666", vec![]),
+        ("Elastic 666: error of the energy", "666-elastic", vec![]),
     ] {
         if let Some(task) = tasks.iter().find(|task| task.name == name) {
             lab.chart(course_chart(title, task, extra)?);
@@ -166,16 +166,16 @@ fn tower_chart(tower: &Tower) -> Result<Chart> {
     Ok(chart)
 }
 
-/// The error over time; RaiSim's mean as a line.
+/// The root of the error over time; that of RaiSim's mean as a line.
 fn course_chart(title: &str, task: &Task, extra: Vec<Named<'_>>) -> Result<Chart> {
-    let mut chart = Chart::curves(title, "time, s", &format!("error, {}", task.unit)).log(false, true);
+    let mut chart = Chart::curves(title, "time, s", &format!("error, {}", task.unit.replace('²', ""))).log(false, true);
     if let Some(mean) = published::best(task.name, "RaiSim", f64::min)? {
-        chart = chart.level(mean, "mean of RaiSim");
+        chart = chart.level(mean.sqrt(), "RaiSim");
     }
     let own = [("one substep", &task.one_substep), ("default", &task.default)];
     for (name, course) in own.into_iter().chain(extra) {
-        // A logarithm has no place for nothing.
-        chart = chart.line(name, course.points.iter().copied().filter(|p| p.1 > 1e-24).collect());
+        // The logarithmic axis ends at 1e-10.
+        chart = chart.line(name, course.points.iter().map(|p| (p.0, p.1.sqrt())).filter(|p| p.1 > 1e-10).collect());
     }
     Ok(chart)
 }
