@@ -13,6 +13,7 @@
 use crate::math::Vec3;
 use crate::options::DriftScheme;
 
+// ANCHOR: displacement
 /// How far a body moves in `h` seconds with v' = `velocity`; `forced` is Δv, `pushed` says that a row pushes it.
 #[inline]
 pub fn displacement(scheme: DriftScheme, velocity: Vec3, forced: Vec3, pushed: bool, h: f32) -> Vec3 {
@@ -21,3 +22,4 @@ pub fn displacement(scheme: DriftScheme, velocity: Vec3, forced: Vec3, pushed: b
         _ => h * velocity,
     }
 }
+// ANCHOR_END: displacement
