@@ -11,8 +11,8 @@ if ! "$mdbook" --version >/dev/null 2>&1; then
 fi
 cargo build --release --quiet --package ishigaki-cli
 ishigaki=${CARGO_TARGET_DIR:-target}/release/ishigaki
-"$ishigaki" experiment all --out book/src/plots "$@" >book/src/plots.txt.tmp
-mv book/src/plots.txt.tmp book/src/plots/verdicts.txt
+mkdir -p book/src/plots
+"$ishigaki" experiment all --out book/src/plots "$@" >book/src/plots/verdicts.txt
 # Only what the chapters show goes into the book.
 rm -f book/src/plots/*.png book/src/plots/index.html
 "$mdbook" build book
