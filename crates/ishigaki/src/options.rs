@@ -142,6 +142,10 @@ pub struct SolverOptions {
     pub warm_start: WarmStart,
     /// The points of a manifold are solved together.
     pub manifold_block: ManifoldBlock,
+    /// Hard rows of connected joints are solved at once.
+    pub joint_tree: JointTree,
+    /// Loads of whole stacks at once.
+    pub level_correction: LevelCorrection,
     /// Distance of a body from the ground in hops. TALK D5.
     pub height: Height,
     /// Forces travel upward only. TALK D6, D7.
@@ -157,7 +161,7 @@ pub struct SolverOptions {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            substeps: 8,
+            substeps: 3,
             sweeps: 2,
             relax_sweeps: 1,
             penetration_recovery: PenetrationRecovery::default(),
@@ -166,6 +170,8 @@ impl Default for SolverOptions {
             permutation: Permutation::Alternating,
             warm_start: WarmStart::default(),
             manifold_block: ManifoldBlock::default(),
+            joint_tree: JointTree::default(),
+            level_correction: LevelCorrection::default(),
             height: Height::default(),
             shock_propagation: ShockPropagation::default(),
             weight_amplification: WeightAmplification::default(),
@@ -184,6 +190,8 @@ impl SolverOptions {
         options.slop.enabled = false;
         options.warm_start.enabled = false;
         options.manifold_block.enabled = false;
+        options.level_correction.enabled = false;
+        options.joint_tree.enabled = false;
         options.weight_amplification.enabled = false;
         options.shock_propagation.enabled = false;
         options
@@ -198,6 +206,8 @@ impl SolverOptions {
             relax_sweeps: 0,
             permutation: Permutation::PerSweep,
             manifold_block: ManifoldBlock { enabled: false, ..ManifoldBlock::default() },
+            level_correction: LevelCorrection { enabled: false },
+            joint_tree: JointTree { enabled: false },
             weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
             ..Self::default()
         }
@@ -233,7 +243,8 @@ pub struct JointRecovery {
     /// k: the part of the error taken back in one substep, in [0, 1].
     pub rate: f32,
     /// γ of hard joint rows as a part of their own J M⁻¹Jᵀ, in sweeps with recovery only. It lets the push of recovery
-    /// fade instead of adding up in the warm start, which would shake heavy loads on light chains to pieces.
+    /// fade instead of adding up in the warm start, which would shake heavy loads on light chains to pieces. Trees of
+    /// joints, which are solved exactly, go without, and take back a third of `rate`.
     pub softness: f32,
 }
 
@@ -307,6 +318,36 @@ pub struct ManifoldBlock {
 impl Default for ManifoldBlock {
     fn default() -> Self {
         Self { enabled: true, passes: 4 }
+    }
+}
+
+/// The equality rows of chains and trees of joints are solved at once, by a sparse direct solver.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct JointTree {
+    /// On or off.
+    pub enabled: bool,
+}
+
+impl Default for JointTree {
+    fn default() -> Self {
+        Self { enabled: true }
+    }
+}
+
+/// Impulses of a whole island are corrected at once, by a direct solution of its levels.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct LevelCorrection {
+    /// On or off.
+    pub enabled: bool,
+}
+
+impl Default for LevelCorrection {
+    fn default() -> Self {
+        Self { enabled: true }
     }
 }
 

@@ -93,6 +93,10 @@ pub struct StepReport {
     pub islands: usize,
     /// Sweeps over the rows in this step.
     pub sweeps: usize,
+    /// Multiply-adds of the solver in this step.
+    pub work: u64,
+    /// Multiply-adds of twelve visits to every row alone, for comparison.
+    pub work_budget: u64,
     /// ‖λ − clip(λ − w·m_eff)‖∞ after the last sweep with bias, N·s.
     pub residual: f32,
     /// The residual after every sweep, if asked for, N·s.

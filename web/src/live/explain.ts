@@ -58,6 +58,18 @@ export const EXPLANATIONS: Record<string, Explanation> = {
     without: 'Corners of a heavy block take turns, and it rocks.',
     file: 'solver/manifold_block.rs',
   },
+  'solver.level_correction': {
+    title: 'Level correction',
+    idea: 'A sweep carries a load over one contact only. Here all contacts of a stack are solved at once as if they were welds, and what no contact can do is taken back.',
+    without: 'Tall towers lean and fall; a light box under a heavy one gives way.',
+    file: 'solver/level_correction.rs',
+  },
+  'solver.joint_tree': {
+    title: 'Joint trees',
+    idea: 'All joints of a chain or a ragdoll are solved at once, exactly, at a cost that grows only with their number.',
+    without: 'Long chains stretch under heavy loads.',
+    file: 'solver/joint_tree.rs',
+  },
   'solver.slop': {
     title: 'Slop',
     idea: 'A little overlap is left alone, so that a resting contact stays a contact from step to step.',

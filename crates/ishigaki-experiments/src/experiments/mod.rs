@@ -14,6 +14,7 @@ mod friction_box_vs_disk;
 mod heights;
 mod hinge;
 mod indeterminate;
+mod it_holds;
 mod jacobi_vs_gauss_seidel;
 mod jacobian_check;
 mod lemke_vs_pgs;
@@ -78,5 +79,6 @@ pub fn list() -> &'static [&'static Experiment] {
         &technique_matrix::EXPERIMENT,
         // Beyond the talk.
         &simbenchmark::EXPERIMENT,
+        &it_holds::EXPERIMENT,
     ]
 }

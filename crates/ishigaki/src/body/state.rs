@@ -59,6 +59,8 @@ pub struct BodyState {
     pub(crate) rest_time: f32,
     /// How many steps in a row it has been slow enough for aggressive sleep.
     pub(crate) rest_steps: u32,
+    /// Step until which level correction leaves the island alone whose first body this is.
+    pub(crate) no_correction_until: u64,
     /// Hops from the ground; [`NO_HEIGHT`] where there is no way down.
     pub(crate) height: u32,
     /// Island of the last step, for people and pictures.
@@ -221,6 +223,7 @@ impl BodyState {
             asleep: false,
             rest_time: 0.0,
             rest_steps: 0,
+            no_correction_until: 0,
             height: NO_HEIGHT,
             island: 0,
         };

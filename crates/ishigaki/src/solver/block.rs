@@ -25,6 +25,8 @@ pub struct Block {
     pub count: u32,
     /// Unit lower triangle L, below the diagonal.
     lower: [[f32; MAX_BLOCK]; MAX_BLOCK],
+    /// It is solved with a tree of joints, not alone.
+    pub in_tree: bool,
     /// κ while errors are recovered, 0 in relax sweeps.
     pub softness: f32,
     /// 1/D; 0 for rows left out.
@@ -36,10 +38,11 @@ pub fn gather(first: usize, rows: &mut [Row], blocks: &mut Vec<Block>) {
     let mut start = first;
     while start < rows.len() {
         let run = rows[start..].iter().take(MAX_BLOCK).take_while(|r| r.is_hard_equality()).count();
-        if run > 1 {
+        if run > 0 {
             let block = Block {
                 first: start as u32,
                 count: run as u32,
+                in_tree: false,
                 softness: rows[start].recovery_softness,
                 lower: [[0.0; MAX_BLOCK]; MAX_BLOCK],
                 inverse_pivots: [0.0; MAX_BLOCK],

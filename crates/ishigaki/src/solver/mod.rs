@@ -1,7 +1,10 @@
 //! The solver: a table of rows, and one file for each technique that edits a column or the order of visiting.
 
 pub mod block;
+pub mod block_ldl;
 pub mod height;
+pub mod joint_tree;
+pub mod level_correction;
 pub mod manifold_block;
 pub mod penetration_recovery;
 pub mod permutation;
@@ -15,3 +18,4 @@ mod substeps;
 pub mod table;
 pub mod warm_start;
 pub mod weight_amplification;
+pub mod work;

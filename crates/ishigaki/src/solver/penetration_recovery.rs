@@ -8,6 +8,9 @@
 use crate::options::PenetrationRecovery;
 use crate::solver::slop;
 
+/// Gaps up to this are closed contacts, × length scale.
+const DEADBAND: f32 = 1e-4;
+
 /// Recovery in the units of one world.
 #[derive(Clone, Copy, Debug)]
 pub struct Recovery {
@@ -17,6 +20,8 @@ pub struct Recovery {
     pub max_speed: f32,
     /// Overlap left alone, m.
     pub slop: f32,
+    /// A gap that counts as touching where an impulse bears already, m: rounding of f32 must not switch support off.
+    pub deadband: f32,
 }
 
 impl Recovery {
@@ -26,14 +31,18 @@ impl Recovery {
             rate: if options.enabled { options.rate } else { 0.0 },
             max_speed: options.max_speed * length_scale.sqrt(),
             slop,
+            deadband: DEADBAND * length_scale,
         }
     }
 
-    /// Bias with and without recovery of a normal row at `separation` (m, negative = overlap), substep `h` (s).
+    /// Bias with and without recovery of a normal row at `separation` (m, negative = overlap), substep `h` (s), that
+    /// `bears` an impulse or not.
     #[inline]
-    pub fn bias(&self, separation: f32, h: f32) -> (f32, f32) {
+    pub fn bias(&self, separation: f32, h: f32, bears: bool) -> (f32, f32) {
         if separation > 0.0 {
-            (separation / h, separation / h)
+            let deadband = if bears { self.deadband } else { 0.0 };
+            let gap = (separation - deadband).max(0.0) / h;
+            (gap, gap)
         } else {
             let push = self.rate * slop::excess(-separation, self.slop) / h;
             (-push.min(self.max_speed), 0.0)

@@ -8,11 +8,14 @@ use crate::constraint::frame::JointStep;
 use crate::constraint::friction::Coupling;
 use crate::constraint::row::RowSpec;
 use crate::math::Mat3;
-use crate::options::SolverOptions;
+use crate::options::{Permutation, SolverOptions};
 use crate::solver::block::{self, Block};
-use crate::solver::manifold_block::{self, Unit};
+use crate::solver::joint_tree::Forest;
+use crate::solver::level_correction::LevelCorrection;
+use crate::solver::manifold_block::{self, ManifoldBlock};
+use crate::solver::reference::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
-use crate::solver::{shock_propagation, weight_amplification};
+use crate::solver::{shock_propagation, weight_amplification, work};
 use crate::world::World;
 
 /// All that the solve stage works on.
@@ -30,12 +33,24 @@ pub struct Plan {
     pub units: Vec<Unit>,
     /// Equality rows of joints that are solved together.
     pub blocks: Vec<Block>,
+    /// Joints that are solved at once.
+    pub forest: Forest,
+    /// Manifolds whose rows are visited as one.
+    pub manifold_blocks: Vec<ManifoldBlock>,
     /// Where the rows of each manifold are.
     pub manifolds: Vec<ManifoldRows>,
     /// Where the rows of each joint are.
     pub joints: Vec<JointRows>,
     /// What joints ask for in this substep.
     pub specs: Vec<RowSpec>,
+    /// Manifolds of islands whose impulses are found: one sweep with recovery is enough for them.
+    pub calm: Vec<bool>,
+    /// Multiply-adds of a sweep over all units.
+    pub sweep_work: u64,
+    /// Multiply-adds of masses and factors of joints.
+    pub joint_work: u64,
+    /// Arrays of level correction.
+    pub level_correction: LevelCorrection,
 }
 
 /// Rows of one manifold.
@@ -115,6 +130,9 @@ impl World {
             }
             plan.specs.clear();
             joint.resolved.rows(&joint.definition.kind, &a.frame(), &b.frame(), &step, &mut plan.specs);
+            for body in [body_a, body_b] {
+                plan.bodies[body as usize].jointed = true;
+            }
             let first = plan.rows.len() as u32;
             plan.joints.push(JointRows { joint: slot, first, count: plan.specs.len() as u32 });
             for (spec, &lambda) in plan.specs.iter().zip(&joint.lambdas) {
@@ -184,22 +202,98 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     let blocks = manifold_block::passes(&options.manifold_block).is_some();
     let first_contact = plan.manifolds.first().map_or(plan.rows.len(), |m| m.first as usize);
     let single = if blocks { first_contact } else { plan.rows.len() };
-    for (i, row) in plan.rows[..single].iter().enumerate() {
-        if row.coupling != Coupling::Partner {
-            plan.units.push(Unit::row(i as u32));
+    if options.joint_tree.enabled {
+        plan.forest.find(&plan.rows, &mut plan.blocks, &plan.bodies);
+    } else {
+        plan.forest = Forest::default();
+    }
+    for tree in plan.forest.trees.iter().filter(|t| !t.in_net) {
+        for &block in &tree.blocks {
+            // Exact solutions need no softness to converge.
+            let block = &plan.blocks[block as usize];
+            for row in &mut plan.rows[block.first as usize..][..block.count as usize] {
+                row.recovery_softness = 0.0;
+            }
         }
     }
-    if blocks {
-        plan.units.extend(plan.manifolds.iter().filter(|m| m.layout.total() > 0).map(Unit::manifold));
+    for (i, row) in plan.rows[..single].iter().enumerate() {
+        let alone = match row.coupling {
+            Coupling::Partner => false,
+            Coupling::Block(block) => !plan.blocks[block as usize].in_tree,
+            _ => true,
+        };
+        if alone {
+            plan.units.push(Unit::Row(i as u32));
+        }
     }
+    plan.manifold_blocks.clear();
+    if blocks {
+        plan.manifold_blocks.extend(plan.manifolds.iter().map(ManifoldBlock::new));
+        plan.units.extend((0..plan.manifold_blocks.len() as u32).map(Unit::Manifold));
+    }
+    // The last sweep before bodies move ends with the trees: what is between joints then has no gap to grow.
+    plan.units.extend((0..plan.forest.trees.len() as u32).map(Unit::Tree));
+    if options.permutation == Permutation::Alternating && options.sweeps % 2 == 0 {
+        plan.units.reverse();
+    }
+    plan.calm.clear();
+    count_work(plan, options);
     let shock = &options.shock_propagation;
     let pure_shock = shock.enabled && shock.blend >= 1.0;
     if pure_shock {
         scale_contacts(plan, shock_propagation::scale);
-        shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
+        shock_propagation::sort_upward(plan);
     } else if options.weight_amplification.enabled {
         let wa = &options.weight_amplification;
         scale_contacts(plan, |a, b| weight_amplification::scale(wa, a, b));
+    }
+}
+
+fn count_work(plan: &mut Plan, options: &SolverOptions) {
+    let passes = u64::from(options.manifold_block.passes);
+    plan.sweep_work = plan.units.iter().map(|&unit| unit_work(plan, unit, passes)).sum();
+    let rows = plan.joints.iter().map(|j| u64::from(j.count)).sum::<u64>() * (work::RESPONSE + work::INNER);
+    let alone = plan.units.iter().filter_map(|u| match *u {
+        Unit::Row(row) => match plan.rows[row as usize].coupling {
+            Coupling::Block(block) => Some(&plan.blocks[block as usize]),
+            _ => None,
+        },
+        _ => None,
+    });
+    let blocks: u64 = alone.map(|b| work::block_factor(u64::from(b.count))).sum();
+    let trees: u64 = plan.forest.trees.iter().map(|t| t.assembly_work(&plan.blocks)).sum();
+    plan.joint_work = rows + blocks + trees;
+}
+
+/// Multiply-adds of a visit.
+fn unit_work(plan: &Plan, unit: Unit, passes: u64) -> u64 {
+    match unit {
+        Unit::Row(row) => row_work(plan, row),
+        Unit::Manifold(index) => plan.manifold_work(index, passes),
+        Unit::Tree(index) => plan.forest.trees[index as usize].visit_work(&plan.blocks),
+    }
+}
+
+fn row_work(plan: &Plan, row: u32) -> u64 {
+    match plan.rows[row as usize].coupling {
+        Coupling::None | Coupling::Interval(_) => work::VISIT,
+        Coupling::Disk(_) => work::DISK,
+        Coupling::Block(block) => work::block(u64::from(plan.blocks[block as usize].count)),
+        Coupling::Partner => 0,
+    }
+}
+
+impl Plan {
+    /// Rows of joints: they come first.
+    pub fn joint_rows(&self) -> usize {
+        self.joints.last().map_or(0, |j| (j.first + j.count) as usize)
+    }
+
+    /// Multiply-adds of a visit to a manifold block.
+    pub fn manifold_work(&self, index: u32, passes: u64) -> u64 {
+        let m = &self.manifold_blocks[index as usize];
+        let friction: u64 = (m.first..m.first_normal).map(|row| row_work(self, row)).sum();
+        friction + work::normals(u64::from(m.end - m.first_normal), passes)
     }
 }
 

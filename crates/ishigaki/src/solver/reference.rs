@@ -7,19 +7,55 @@
 
 use crate::constraint::friction::{Bound, Coupling};
 use crate::solver::block::Block;
-use crate::solver::manifold_block::{self, Unit};
+use crate::solver::plan::Plan;
 use crate::solver::table::{Row, SolverBody};
 
-/// One sweep over the units in the given order; `passes` for the normals of units that are manifolds.
-pub fn sweep(units: &[Unit], passes: u32, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
-    for &unit in units {
-        manifold_block::solve(unit, passes, rows, blocks, bodies);
+/// What a sweep visits as one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// A row with its partners.
+    Row(u32),
+    /// Index of a manifold block.
+    Manifold(u32),
+    /// Index of a joint tree.
+    Tree(u32),
+}
+
+/// One sweep over the units of a plan in their order; `passes` for the normals of manifold blocks.
+pub fn sweep(plan: &mut Plan, passes: u32) {
+    for k in 0..plan.units.len() {
+        visit(plan.units[k], plan, passes);
+    }
+}
+
+/// The same without manifolds whose impulses are found; the multiply-adds that this saved.
+pub fn sweep_restless(plan: &mut Plan, passes: u32) -> u64 {
+    let mut saved = 0;
+    for k in 0..plan.units.len() {
+        match plan.units[k] {
+            Unit::Manifold(index) if plan.calm.get(index as usize) == Some(&true) => {
+                saved += plan.manifold_work(index, u64::from(passes));
+            }
+            unit => visit(unit, plan, passes),
+        }
+    }
+    saved
+}
+
+/// Solves a unit for the velocities as they are.
+#[inline]
+pub fn visit(unit: Unit, plan: &mut Plan, passes: u32) {
+    let (rows, blocks, bodies) = (&mut plan.rows, &plan.blocks, &mut plan.bodies);
+    match unit {
+        Unit::Row(row) => solve_row_of(row as usize, rows, blocks, bodies),
+        Unit::Manifold(index) => plan.manifold_blocks[index as usize].solve(passes, rows, blocks, bodies),
+        Unit::Tree(index) => plan.forest.trees[index as usize].solve(rows, blocks, bodies),
     }
 }
 
 /// Solves a row, with its partners, for the velocities as they are.
 #[inline]
-pub fn solve_unit(unit: usize, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
+pub fn solve_row_of(unit: usize, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
     match rows[unit].coupling {
         Coupling::None => solve_row(&mut rows[unit], bodies),
         Coupling::Interval(bound) => {

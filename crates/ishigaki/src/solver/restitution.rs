@@ -10,7 +10,7 @@
 use crate::collision::manifold::Manifold;
 use crate::constraint::contact::{self, Layout, Surface};
 use crate::options::{DriftScheme, FrictionModel};
-use crate::solver::reference::solve_unit;
+use crate::solver::reference::solve_row_of;
 use crate::solver::table::{Row, SolverBody, couple_disks};
 use arrayvec::ArrayVec;
 
@@ -86,7 +86,7 @@ pub fn resolve(
     for _ in 0..INNER_SWEEPS {
         // Normals first: friction starts from nothing and needs their impulse.
         for unit in (first_normal..rows.len()).chain(0..first_normal) {
-            solve_unit(unit, &mut rows, &[], bodies);
+            solve_row_of(unit, &mut rows, &[], bodies);
         }
     }
     for (i, row) in rows[first_normal..].iter().enumerate() {

@@ -7,8 +7,9 @@
 //! Options: `solver.shock_propagation.{enabled, blend}`; shown by `tests/techniques.rs`.
 
 use crate::body::NO_HEIGHT;
-use crate::solver::manifold_block::Unit;
-use crate::solver::table::{MassScale, Row, SolverBody};
+use crate::solver::plan::Plan;
+use crate::solver::reference::Unit;
+use crate::solver::table::MassScale;
 use crate::solver::weight_amplification::{Lower, lower};
 
 // ANCHOR: scale
@@ -24,9 +25,15 @@ pub fn scale(height_a: u32, height_b: u32) -> MassScale {
 
 // ANCHOR: sort_upward
 /// From the ground up: units sorted by the lower height of their two bodies, otherwise as they were.
-pub fn sort_upward(units: &mut [Unit], rows: &[Row], bodies: &[SolverBody]) {
-    units.sort_by_key(|unit| {
-        let row = &rows[unit.first as usize];
+pub fn sort_upward(plan: &mut Plan) {
+    let (rows, bodies) = (&plan.rows, &plan.bodies);
+    let (manifolds, trees, blocks) = (&plan.manifold_blocks, &plan.forest.trees, &plan.blocks);
+    plan.units.sort_by_key(|unit| {
+        let row = &rows[match *unit {
+            Unit::Row(row) => row,
+            Unit::Manifold(index) => manifolds[index as usize].first,
+            Unit::Tree(index) => blocks[trees[index as usize].blocks[0] as usize].first,
+        } as usize];
         let (a, b) = (bodies[row.body_a as usize].height, bodies[row.body_b as usize].height);
         // A body in the air comes last, whatever it touches.
         if a == NO_HEIGHT || b == NO_HEIGHT { NO_HEIGHT } else { a.min(b) }

@@ -18,7 +18,7 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::{Plan, scale_contacts};
 use crate::solver::restitution::{self, Impact};
 use crate::solver::table::{MassScale, Row, SolverBody, couple_disks};
-use crate::solver::{permutation, reference, residual, shock_propagation, slop, table, warm_start};
+use crate::solver::{joint_tree, permutation, reference, residual, shock_propagation, slop, table, warm_start, work};
 use crate::world::World;
 use arrayvec::ArrayVec;
 
@@ -35,6 +35,8 @@ impl World {
         for substep in 0..substeps {
             self.substep(plan, dt, h, substep);
         }
+        self.report.work += std::mem::take(&mut plan.level_correction.work);
+        self.report.work_budget = work::budget(plan.rows.len());
         self.last_substep = h;
         self.store_impulses(plan, dt);
     }
@@ -42,7 +44,7 @@ impl World {
     fn substep(&mut self, plan: &mut Plan, dt: f32, h: f32, substep: u32) {
         self.prepare_substep(plan, dt, substep);
         self.start_warm(plan, substep);
-        self.velocity_sweeps(plan);
+        self.velocity_sweeps(plan, h);
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
 
@@ -60,8 +62,10 @@ impl World {
         if substep > 0 {
             self.refresh_joint_rows(plan, dt);
         }
-        self.apply_forces(plan, h);
-        refresh_masses(plan);
+        plan.forest.ease_recovery(&plan.blocks, &mut plan.rows);
+        self.apply_forces(plan, h, substep == 0);
+        joint_tree::stiffen(&plan.rows, &plan.blocks, h, &mut plan.bodies);
+        self.report.work += refresh_masses(plan, substep == 0) + work::APPLY * plan.rows.len() as u64;
         let gaps = self.refresh_contact_biases(plan, h);
         if gaps.any_bounce && self.options.solver.restitution.enabled {
             self.resolve_impacts(plan, h);
@@ -117,7 +121,7 @@ impl World {
     }
 
     /// v += h(F/m + g), L += hτ, damping; then ω and I⁻¹ of the solver from the pose as it is.
-    fn apply_forces(&mut self, plan: &mut Plan, h: f32) {
+    fn apply_forces(&mut self, plan: &mut Plan, h: f32, first: bool) {
         let gravity = self.options.gravity;
         for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
             let state = self.bodies.at_mut(slot);
@@ -136,8 +140,12 @@ impl World {
             (state.angular_momentum, state.angular_velocity) = (spin.angular_momentum, spin.angular_velocity);
             body.velocity = state.velocity;
             body.angular_velocity = state.angular_velocity;
-            body.inverse_inertia = state.inverse_inertia_world();
-            body.inertia = state.inertia_world();
+            body.turned = first || body.jointed || body.turned_since_inertia() > SAME_TURN;
+            if body.turned {
+                body.inverse_inertia = state.inverse_inertia_world();
+                body.inertia = state.inertia_world();
+                body.turn_of_inertia = body.turn;
+            }
         }
     }
 
@@ -146,6 +154,7 @@ impl World {
         let options = &self.options.solver;
         let scale = self.options.length_scale;
         let recovery = Recovery::new(&options.penetration_recovery, slop::depth(&options.slop, scale), scale);
+        let warm = options.warm_start.enabled && options.warm_start.factor > 0.0;
         let mut gaps = Gaps { any_bounce: false };
         for m in &plan.manifolds {
             gaps.any_bounce |= m.restitution > 0.0;
@@ -153,7 +162,7 @@ impl World {
             let first = (m.first + m.layout.first_normal()) as usize;
             for (row, point) in plan.rows[first..].iter_mut().zip(&manifold.points) {
                 let separation = point.separation + row.displacement(&plan.bodies);
-                (row.bias, row.relax_bias) = recovery.bias(separation, h);
+                (row.bias, row.relax_bias) = recovery.bias(separation, h, warm && row.lambda > 0.0);
             }
         }
         gaps
@@ -166,7 +175,7 @@ impl World {
         }
         if !plan.joints.is_empty() {
             self.turn_joint_rows(plan, h);
-            harden_joints(plan);
+            self.report.work += harden_joints(plan);
         }
         self.refresh_contact_biases(plan, h);
         let restitution = self.options.solver.restitution.enabled;
@@ -240,24 +249,33 @@ impl World {
         }
     }
 
+    /// Level correction needs the masses as they are.
+    fn corrects_levels(&self) -> bool {
+        let options = &self.options.solver;
+        options.level_correction.enabled && !options.weight_amplification.enabled && !options.shock_propagation.enabled
+    }
+
     fn blends_shock(&self) -> bool {
         let shock = &self.options.solver.shock_propagation;
         shock.enabled && shock.blend < 1.0
     }
 
     /// The sweeps with recovery; with blended shock propagation, both solutions and their mean.
-    fn velocity_sweeps(&mut self, plan: &mut Plan) {
+    fn velocity_sweeps(&mut self, plan: &mut Plan, h: f32) {
         if self.blends_shock() {
             self.blended_sweeps(plan);
         } else {
-            self.sweeps(plan);
+            self.sweeps(plan, h);
         }
         if self.options.report.residual {
             self.report.residual = residual::residual(&plan.rows, &plan.blocks, &plan.bodies);
         }
     }
 
-    fn sweeps(&mut self, plan: &mut Plan) {
+    fn sweeps(&mut self, plan: &mut Plan, h: f32) {
+        if self.corrects_levels() {
+            self.correct_levels(plan, h);
+        }
         for sweep in 0..self.options.solver.sweeps {
             self.one_sweep(plan, sweep);
             if self.options.report.residual_by_sweep {
@@ -271,15 +289,23 @@ impl World {
         let shock = &self.options.solver.shock_propagation;
         if shock.enabled && shock.blend >= 1.0 {
             // From the ground up, whatever the permutation did within a level.
-            shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
+            shock_propagation::sort_upward(plan);
         }
-        self.sweep_units(plan);
+        if (1..self.options.solver.sweeps).contains(&sweep) && !plan.calm.is_empty() {
+            let passes = self.options.solver.manifold_block.passes;
+            let saved = reference::sweep_restless(plan, passes);
+            self.report.sweeps += 1;
+            self.report.work += plan.sweep_work - saved;
+        } else {
+            self.sweep_units(plan);
+        }
     }
 
     fn sweep_units(&mut self, plan: &mut Plan) {
         let passes = self.options.solver.manifold_block.passes;
-        reference::sweep(&plan.units, passes, &mut plan.rows, &plan.blocks, &mut plan.bodies);
+        reference::sweep(plan, passes);
         self.report.sweeps += 1;
+        self.report.work += plan.sweep_work;
     }
 
     /// λ = (1−c)λ₀ + cλ₁ from two solves with the same start, and so are the velocities: each solution is at rest with
@@ -291,7 +317,7 @@ impl World {
         let scales: Vec<MassScale> = plan.rows.iter().map(|r| r.scale).collect();
 
         apply_all(plan);
-        self.sweeps(plan);
+        self.sweeps(plan, 0.0);
         let plain: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
         let plain_bodies = std::mem::replace(&mut plan.bodies, start);
 
@@ -299,12 +325,12 @@ impl World {
             row.lambda = *lambda;
         }
         scale_contacts(plan, shock_propagation::scale);
-        refresh_masses(plan);
+        refresh_masses(plan, true);
         apply_all(plan);
         let order = plan.units.clone();
         for sweep in 0..self.options.solver.sweeps {
             permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
-            shock_propagation::sort_upward(&mut plan.units, &plan.rows, &plan.bodies);
+            shock_propagation::sort_upward(plan);
             self.sweep_units(plan);
         }
         plan.units = order;
@@ -317,7 +343,7 @@ impl World {
             row.lambda = (1.0 - c) * plain + c * row.lambda;
             row.scale = scale;
         }
-        refresh_masses(plan);
+        refresh_masses(plan, true);
     }
 
     /// Takes the solver's velocities into the bodies: L changes by I Δω, so it stays exact where nothing pushed.
@@ -411,27 +437,77 @@ struct Gaps {
     any_bounce: bool,
 }
 
-/// M⁻¹Jᵀ and effective masses of all rows, for the inertia as it is.
-fn refresh_masses(plan: &mut Plan) {
-    for row in &mut plan.rows {
+/// A body that turned less than this keeps its inertia over the substeps, rad.
+const SAME_TURN: f32 = 0.02;
+/// A joint whose bodies turned more than this within a substep is factored anew after it, rad.
+const FAR_TURN: f32 = 0.1;
+
+/// M⁻¹Jᵀ and effective masses of the rows of all bodies that turned, for the inertia as it is.
+/// Multiply-adds of that.
+fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
+    let mut work = plan.joint_work;
+    let joint_rows = plan.joint_rows();
+    for row in &mut plan.rows[..joint_rows] {
         row.refresh_mass(&plan.bodies);
     }
-    couple_disks(&mut plan.rows);
+    for (index, m) in plan.manifolds.iter().enumerate() {
+        let rows = &mut plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
+        let turned = |body: u32| plan.bodies[body as usize].turned;
+        if rows.is_empty() || !(all || turned(rows[0].body_a) || turned(rows[0].body_b)) {
+            continue;
+        }
+        for row in rows.iter_mut() {
+            row.refresh_mass(&plan.bodies);
+        }
+        couple_disks(rows);
+        let n = u64::from(m.layout.normals);
+        work += u64::from(m.layout.total()) * (work::RESPONSE + work::INNER)
+            + u64::from(m.layout.tangents) / 2 * work::INNER;
+        if let Some(block) = plan.manifold_blocks.get_mut(index) {
+            block.refresh(&plan.rows);
+            work += n * (n + 1) / 2 * work::INNER;
+        }
+    }
     for block in &mut plan.blocks {
         block.softness = plan.rows[block.first as usize].recovery_softness;
-        block.factor(&plan.rows);
+        if !block.in_tree {
+            block.factor(&plan.rows);
+        }
+    }
+    factor_trees(plan);
+    work
+}
+
+fn factor_trees(plan: &mut Plan) {
+    for tree in &mut plan.forest.trees {
+        tree.factor(&plan.rows, &plan.blocks);
     }
 }
 
-/// Joint rows without the softness of recovery.
-fn harden_joints(plan: &mut Plan) {
+/// Joint rows without the softness of recovery; multiply-adds of that.
+fn harden_joints(plan: &mut Plan) -> u64 {
+    let mut work = plan.joint_rows() as u64 * (work::RESPONSE + work::INNER);
     let joint_rows = plan.joints.last().map_or(0, |j| (j.first + j.count) as usize);
     for row in &mut plan.rows[..joint_rows] {
         row.harden();
     }
     for block in &mut plan.blocks {
         block.softness = 0.0;
+        let row = &plan.rows[block.first as usize];
+        let turned = |body: u32| plan.bodies[body as usize].turned_since_inertia() > FAR_TURN;
+        if !block.in_tree && (turned(row.body_a) || turned(row.body_b)) {
+            block.factor(&plan.rows);
+        }
     }
+    for tree in &mut plan.forest.trees {
+        // Of slow bodies the factors stay those of the poses before the motion: the little that turned comes back in
+        // the next sweep. Of fast ones a step with such factors might be none toward the solution.
+        if tree.bodies().any(|body| plan.bodies[body as usize].turned_since_inertia() > FAR_TURN) {
+            tree.factor(&plan.rows, &plan.blocks);
+            work += tree.assembly_work(&plan.blocks);
+        }
+    }
+    work
 }
 
 fn apply_all(plan: &mut Plan) {

@@ -22,10 +22,18 @@ pub struct SolverBody {
     pub forced_velocity: Vec3,
     /// What torques added to the angular velocity in this substep, rad/s.
     pub forced_spin: Vec3,
+    /// Its inertia is another one than in the last substep.
+    pub turned: bool,
+    /// It has joints.
+    pub jointed: bool,
+    /// How far it had turned when its inertia was taken, rad.
+    pub turn_of_inertia: Vec3,
     /// How far the center moved in this step, m.
     pub translation: Vec3,
     /// How far the body turned in this step, Σ h ω, rad.
     pub turn: Vec3,
+    /// h Σ|λ||r| of its joints, kg·m².
+    pub stiffness: f32,
     /// Hops from the ground.
     pub height: u32,
     /// A row pushes it in this substep; kept up for the trapezoidal drift only.
@@ -42,11 +50,22 @@ impl SolverBody {
         inertia: Mat3::ZERO,
         forced_velocity: Vec3::ZERO,
         forced_spin: Vec3::ZERO,
+        turned: false,
+        jointed: false,
+        turn_of_inertia: Vec3::ZERO,
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,
+        stiffness: 0.0,
         height: 0,
         pushed: false,
     };
+}
+
+impl SolverBody {
+    /// How far it turned since its inertia was taken, rad.
+    pub fn turned_since_inertia(&self) -> f32 {
+        (self.turn - self.turn_of_inertia).length()
+    }
 }
 
 /// M⁻¹Jᵀ of one row: what a unit impulse adds to the velocities.
@@ -164,8 +183,8 @@ impl Row {
 
     /// Fills in what depends on the masses: M⁻¹Jᵀ and 1/(J M⁻¹Jᵀ + γ), for sweeps with recovery.
     pub fn refresh_mass(&mut self, bodies: &[SolverBody]) {
-        self.response =
-            response(&self.jacobian, &bodies[self.body_a as usize], &bodies[self.body_b as usize], self.scale);
+        let (a, b) = (&bodies[self.body_a as usize], &bodies[self.body_b as usize]);
+        self.response = response(&self.jacobian, a, b, self.scale);
         let k = inner(&self.jacobian, &self.response);
         self.soften(k, self.softness + self.recovery_softness * k);
     }
@@ -191,6 +210,19 @@ pub fn response(j: &Jacobian, a: &SolverBody, b: &SolverBody, scale: MassScale) 
         linear_b: -(b.inverse_mass * j.linear) * scale.mass_b,
         angular_b: b.inverse_inertia * j.angular_b * scale.inertia_b,
     }
+}
+
+/// The part of J M⁻¹J'ᵀ of two rows that runs through one body: the A or B of each.
+#[inline]
+pub fn inner_at(row: &Row, row_is_a: bool, other: &Row, other_is_a: bool) -> f32 {
+    let (linear, angular) = if row_is_a {
+        (row.jacobian.linear, row.jacobian.angular_a)
+    } else {
+        (-row.jacobian.linear, row.jacobian.angular_b)
+    };
+    let r = &other.response;
+    let (v, w) = if other_is_a { (r.linear_a, r.angular_a) } else { (r.linear_b, r.angular_b) };
+    linear.dot(v) + angular.dot(w)
 }
 
 /// J · (M⁻¹J'ᵀ) of two rows between the same two bodies.
