@@ -260,6 +260,7 @@ impl JointTree {
     }
 }
 
+// ANCHOR: stiffen
 /// Inverse inertia that joints see: with the geometric stiffness of their impulses in a substep `h`, s.
 pub fn stiffen(rows: &[Row], blocks: &[Block], h: f32, bodies: &mut [SolverBody]) {
     for body in bodies.iter_mut() {
@@ -290,3 +291,4 @@ pub fn stiffen(rows: &[Row], blocks: &[Block], h: f32, bodies: &mut [SolverBody]
         }
     }
 }
+// ANCHOR_END: stiffen

@@ -239,6 +239,7 @@ impl World {
         work.members.sort_unstable_by_key(|m| (m.island, m.manifold));
     }
 
+    // ANCHOR: correct_once
     /// One correction; the energy of the residual that it took away, J.
     fn correct_once(&self, plan: &mut Plan, work: &mut LevelCorrection, island: &[Member], fine: bool) -> f32 {
         let (mut best_gain, mut best_alpha) = (0.0_f32, 0.0);
@@ -268,6 +269,7 @@ impl World {
         }
         best_gain
     }
+    // ANCHOR_END: correct_once
 
     fn set_modes(&self, plan: &Plan, work: &mut LevelCorrection, island: &[Member], fine: bool) {
         for c in &mut work.coefficients {

@@ -35,6 +35,7 @@ impl Recovery {
         }
     }
 
+    // ANCHOR: bias
     /// Bias with and without recovery of a normal row at `separation` (m, negative = overlap), substep `h` (s), that
     /// `bears` an impulse or not.
     #[inline]
@@ -48,4 +49,5 @@ impl Recovery {
             (-push.min(self.max_speed), 0.0)
         }
     }
+    // ANCHOR_END: bias
 }
