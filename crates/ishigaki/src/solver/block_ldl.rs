@@ -125,7 +125,7 @@ impl Pattern {
             }
             sum + own * own * own / 3
         };
-        (0..self.len()).map(column).sum()
+        (0..self.nodes()).map(column).sum()
     }
 
     /// Multiply-adds of a solution with the factors.
@@ -134,11 +134,11 @@ impl Pattern {
             let own = self.size(k);
             own * own + 2 * own * self.rows[self.column(k)].iter().map(|&r| self.size(r as usize)).sum::<u64>()
         };
-        (0..self.len()).map(column).sum()
+        (0..self.nodes()).map(column).sum()
     }
 
     /// Nodes.
-    pub fn len(&self) -> usize {
+    pub fn nodes(&self) -> usize {
         self.order.len()
     }
 
@@ -197,7 +197,7 @@ impl BlockLdl {
     /// The zero matrix on a pattern.
     pub fn clear(&mut self, pattern: &Pattern) {
         self.diagonal.clear();
-        self.diagonal.resize(pattern.len(), [[0.0; MAX_SIZE]; MAX_SIZE]);
+        self.diagonal.resize(pattern.nodes(), [[0.0; MAX_SIZE]; MAX_SIZE]);
         self.below.clear();
         self.below.resize(pattern.fill(), [[0.0; MAX_SIZE]; MAX_SIZE]);
     }
@@ -221,8 +221,8 @@ impl BlockLdl {
     pub fn factor(&mut self, pattern: &Pattern, epsilon: f32) {
         self.scale_to_one(pattern, epsilon);
         self.inverse_pivots.clear();
-        self.inverse_pivots.resize(pattern.len(), [0.0; MAX_SIZE]);
-        for k in 0..pattern.len() {
+        self.inverse_pivots.resize(pattern.nodes(), [0.0; MAX_SIZE]);
+        for k in 0..pattern.nodes() {
             self.inverse_pivots[k] = factor_diagonal(&mut self.diagonal[k]);
             let range = pattern.column(k);
             self.undivided.clear();
@@ -252,7 +252,7 @@ impl BlockLdl {
                 .iter()
                 .map(|block| std::array::from_fn(|i| if block[i][i] > 0.0 { 1.0 / block[i][i].sqrt() } else { 0.0 })),
         );
-        for k in 0..pattern.len() {
+        for k in 0..pattern.nodes() {
             let column = self.scale[k];
             scale_block(&mut self.diagonal[k], &column, &column);
             for (i, row) in self.diagonal[k].iter_mut().enumerate() {
@@ -267,13 +267,13 @@ impl BlockLdl {
 
     /// x = A⁻¹ x; `x` by node.
     pub fn solve(&self, pattern: &Pattern, x: &mut [[f32; MAX_SIZE]]) {
-        for k in 0..pattern.len() {
+        for k in 0..pattern.nodes() {
             let node = pattern.order[k] as usize;
             for (value, scale) in x[node].iter_mut().zip(self.scale[k]) {
                 *value *= scale;
             }
         }
-        for k in 0..pattern.len() {
+        for k in 0..pattern.nodes() {
             let node = pattern.order[k] as usize;
             let mut own = x[node];
             forward(&self.diagonal[k], &mut own);
@@ -285,7 +285,7 @@ impl BlockLdl {
                 }
             }
         }
-        for k in (0..pattern.len()).rev() {
+        for k in (0..pattern.nodes()).rev() {
             let node = pattern.order[k] as usize;
             let mut own = x[node];
             for (value, inverse) in own.iter_mut().zip(self.inverse_pivots[k]) {
@@ -300,7 +300,7 @@ impl BlockLdl {
             backward(&self.diagonal[k], &self.inverse_pivots[k], &mut own);
             x[node] = own;
         }
-        for k in 0..pattern.len() {
+        for k in 0..pattern.nodes() {
             let node = pattern.order[k] as usize;
             for (value, scale) in x[node].iter_mut().zip(self.scale[k]) {
                 *value *= scale;

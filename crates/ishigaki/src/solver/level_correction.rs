@@ -588,7 +588,7 @@ impl LevelCorrection {
             self.push_bodies(plan, island);
         }
         self.solution.clear();
-        self.solution.resize(self.pattern.len(), [0.0; MAX_SIZE]);
+        self.solution.resize(self.pattern.nodes(), [0.0; MAX_SIZE]);
         for member in island {
             let m = &plan.manifolds[member.manifold as usize];
             for k in 0..m.layout.total() as usize {

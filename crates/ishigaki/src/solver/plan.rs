@@ -233,7 +233,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     }
     // The last sweep before bodies move ends with the trees: what is between joints then has no gap to grow.
     plan.units.extend((0..plan.forest.trees.len() as u32).map(Unit::Tree));
-    if options.permutation == Permutation::Alternating && options.sweeps % 2 == 0 {
+    if options.permutation == Permutation::Alternating && options.sweeps.is_multiple_of(2) {
         plan.units.reverse();
     }
     plan.calm.clear();
