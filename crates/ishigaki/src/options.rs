@@ -161,7 +161,7 @@ pub struct SolverOptions {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            substeps: 3,
+            substeps: 8,
             sweeps: 2,
             relax_sweeps: 1,
             penetration_recovery: PenetrationRecovery::default(),
@@ -244,7 +244,7 @@ pub struct JointRecovery {
     pub rate: f32,
     /// γ of hard joint rows as a part of their own J M⁻¹Jᵀ, in sweeps with recovery only. It lets the push of recovery
     /// fade instead of adding up in the warm start, which would shake heavy loads on light chains to pieces. Trees of
-    /// joints, which are solved exactly, go without, and take back a third of `rate`.
+    /// joints that touch nothing are solved exactly and go without.
     pub softness: f32,
 }
 

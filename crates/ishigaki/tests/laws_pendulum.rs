@@ -48,7 +48,7 @@ fn pendulum_keeps_its_period() {
 #[test]
 fn pendulum_keeps_its_period_with_default_options() {
     for (degrees, ratio) in AMPLITUDES {
-        // Near the upright the period feels every error of the energy: three substeps of 1/240 s give 0.35 % there.
+        // Near the upright the period feels every error of the energy: the substeps of 1/240 s give the greatest error there.
         let limit = if degrees > 150.0 { 5e-3 } else { 1e-3 };
         for hinge in [true, false] {
             let errors = DEFAULT_STEPS.map(|dt| relative(period_ratio(default_world(), degrees, dt, hinge), ratio));

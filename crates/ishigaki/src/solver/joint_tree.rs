@@ -21,8 +21,6 @@ use crate::solver::work;
 
 /// Part of the inertia up to which a stiffness is left to the substep: symplectic Euler is stable below 4.
 const FREE: f32 = 0.5;
-/// Part of the rate of recovery.
-const RECOVERY: f32 = 1.0 / 3.0;
 /// Most products of blocks for each joint: a chain has 3; dense loops are left to sweeps.
 const DENSE_COST: u64 = 12;
 
@@ -36,6 +34,8 @@ pub struct JointTree {
     x: Vec<[f32; MAX_SIZE]>,
     /// Other joints close loops with it: it is part of a net.
     pub in_net: bool,
+    /// It touches something: its joints are solved one by one, softly, in turn with the contacts.
+    pub is_idle: bool,
     /// Moving body, block of the tree, whether it is the block's A; sorted.
     users: Vec<(u32, u32, bool)>,
 }
@@ -65,22 +65,10 @@ impl Forest {
             self.trees.clear();
             self.plant(rows, blocks, bodies);
         }
-        for tree in &self.trees {
+        for tree in &mut self.trees {
+            tree.is_idle = tree.users.iter().any(|user| bodies[user.0 as usize].touched);
             for &block in &tree.blocks {
-                blocks[block as usize].in_tree = true;
-            }
-        }
-    }
-
-    /// Trees take back their errors slowly: solved exactly they hardly have any, and heaps of ragdolls that take them
-    /// back at the rate of single joints may tremble for ever.
-    pub fn ease_recovery(&self, blocks: &[Block], rows: &mut [Row]) {
-        for tree in self.trees.iter().filter(|t| !t.in_net) {
-            for &block in &tree.blocks {
-                let block = &blocks[block as usize];
-                for row in &mut rows[block.first as usize..][..block.count as usize] {
-                    row.bias = row.relax_bias + RECOVERY * (row.bias - row.relax_bias);
-                }
+                blocks[block as usize].in_tree = !tree.is_idle;
             }
         }
     }

@@ -162,6 +162,9 @@ impl World {
                 surface_velocity: contact.surface_velocity,
             };
             for (m, manifold) in contact.manifolds.iter().enumerate() {
+                for body in [body_a, body_b] {
+                    plan.bodies[body as usize].touched = true;
+                }
                 let first = plan.rows.len() as u32;
                 plan.manifolds.push(ManifoldRows {
                     contact: index as u32,
@@ -207,7 +210,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     } else {
         plan.forest = Forest::default();
     }
-    for tree in plan.forest.trees.iter().filter(|t| !t.in_net) {
+    for tree in plan.forest.trees.iter().filter(|t| !t.in_net && !t.is_idle) {
         for &block in &tree.blocks {
             // Exact solutions need no softness to converge.
             let block = &plan.blocks[block as usize];
@@ -215,6 +218,11 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
                 row.recovery_softness = 0.0;
             }
         }
+    }
+    plan.manifold_blocks.clear();
+    if blocks {
+        plan.manifold_blocks.extend(plan.manifolds.iter().map(ManifoldBlock::new));
+        plan.units.extend((0..plan.manifold_blocks.len() as u32).map(Unit::Manifold));
     }
     for (i, row) in plan.rows[..single].iter().enumerate() {
         let alone = match row.coupling {
@@ -226,13 +234,9 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
             plan.units.push(Unit::Row(i as u32));
         }
     }
-    plan.manifold_blocks.clear();
-    if blocks {
-        plan.manifold_blocks.extend(plan.manifolds.iter().map(ManifoldBlock::new));
-        plan.units.extend((0..plan.manifold_blocks.len() as u32).map(Unit::Manifold));
-    }
     // The last sweep before bodies move ends with the trees: what is between joints then has no gap to grow.
-    plan.units.extend((0..plan.forest.trees.len() as u32).map(Unit::Tree));
+    let trees = plan.forest.trees.iter().enumerate().filter(|(_, t)| !t.is_idle);
+    plan.units.extend(trees.map(|(index, _)| Unit::Tree(index as u32)));
     if options.permutation == Permutation::Alternating && options.sweeps.is_multiple_of(2) {
         plan.units.reverse();
     }
@@ -261,7 +265,7 @@ fn count_work(plan: &mut Plan, options: &SolverOptions) {
         _ => None,
     });
     let blocks: u64 = alone.map(|b| work::block_factor(u64::from(b.count))).sum();
-    let trees: u64 = plan.forest.trees.iter().map(|t| t.assembly_work(&plan.blocks)).sum();
+    let trees: u64 = plan.forest.trees.iter().filter(|t| !t.is_idle).map(|t| t.assembly_work(&plan.blocks)).sum();
     plan.joint_work = rows + blocks + trees;
 }
 

@@ -62,7 +62,6 @@ impl World {
         if substep > 0 {
             self.refresh_joint_rows(plan, dt);
         }
-        plan.forest.ease_recovery(&plan.blocks, &mut plan.rows);
         self.apply_forces(plan, h, substep == 0);
         joint_tree::stiffen(&plan.rows, &plan.blocks, h, &mut plan.bodies);
         self.report.work += refresh_masses(plan, substep == 0) + work::APPLY * plan.rows.len() as u64;
@@ -479,7 +478,7 @@ fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
 }
 
 fn factor_trees(plan: &mut Plan) {
-    for tree in &mut plan.forest.trees {
+    for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         tree.factor(&plan.rows, &plan.blocks);
     }
 }
@@ -499,7 +498,7 @@ fn harden_joints(plan: &mut Plan) -> u64 {
             block.factor(&plan.rows);
         }
     }
-    for tree in &mut plan.forest.trees {
+    for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         // Of slow bodies the factors stay those of the poses before the motion: the little that turned comes back in
         // the next sweep. Of fast ones a step with such factors might be none toward the solution.
         if tree.bodies().any(|body| plan.bodies[body as usize].turned_since_inertia() > FAR_TURN) {

@@ -26,6 +26,8 @@ pub struct SolverBody {
     pub turned: bool,
     /// It has joints.
     pub jointed: bool,
+    /// It has contacts.
+    pub touched: bool,
     /// How far it had turned when its inertia was taken, rad.
     pub turn_of_inertia: Vec3,
     /// How far the center moved in this step, m.
@@ -52,6 +54,7 @@ impl SolverBody {
         forced_spin: Vec3::ZERO,
         turned: false,
         jointed: false,
+        touched: false,
         turn_of_inertia: Vec3::ZERO,
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,

@@ -10,7 +10,7 @@ pub const DEFAULT_STEPS: [f32; 2] = [STEPS[0], STEPS[1]];
 /// Default gravity, m/s².
 pub const G: f64 = 9.81;
 
-/// Default options without sleep: a law is about what moves. Four substeps, not the default three: an order shows only
+/// Default options without sleep: a law is about what moves. Four substeps, not the default eight: an order shows only
 /// where the error of the scheme is greater than rounding. With many at 1/960 s, eight of 1/7680 s say, the errors stay
 /// far below 1 % (4.5e-4 of a stop distance, 1.3e-4 of the period at 170°), but no longer shrink: they are what
 /// f32 rounds off. That the default keeps the laws of pendulum and friction is shown at [`DEFAULT_STEPS`].
