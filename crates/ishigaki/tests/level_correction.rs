@@ -45,7 +45,7 @@ fn a_tower_of_160_stands_to_the_millimeter() {
     let off = top_moves(160, 1.0, 5.0, |o| o.solver.level_correction.enabled = false);
     eprintln!("top of a tower of 160 after 5 s: {:.3} mm on, {:.0} mm off", 1e3 * on, 1e3 * off);
     assert!(on < 2e-3, "{on} m");
-    assert!(off > 1.0, "it stands without: {off} m");
+    assert!(off > 0.1, "it stands without: {off} m");
 }
 
 #[test]
