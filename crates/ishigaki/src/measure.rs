@@ -12,7 +12,8 @@ impl World {
         let mut report = std::mem::take(&mut self.report);
         report.bodies = self.bodies.len();
         report.pairs = self.contacts.len();
-        report.rows = plan.rows.len();
+        report.wide_rows = plan.wide.rows;
+        report.rows = plan.rows.len() + plan.wide.rows;
         for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
             report.contacts += 1;
             for point in contact.manifolds.iter().flat_map(|m| &m.points) {

@@ -130,6 +130,8 @@ pub struct SolverOptions {
     pub sweeps: u32,
     /// Sweeps in each substep after the bodies moved, without recovery: they take its speed out again.
     pub relax_sweeps: u32,
+    /// More substeps and sweeps where there are joints.
+    pub jointed: Jointed,
     /// How overlap is pushed out. TALK D1.
     pub penetration_recovery: PenetrationRecovery,
     /// How joint errors are pulled back. TALK B9.
@@ -152,6 +154,8 @@ pub struct SolverOptions {
     pub shock_propagation: ShockPropagation,
     /// The lower body of a contact counts as heavier. TALK D8.
     pub weight_amplification: WeightAmplification,
+    /// Islands of contacts are solved eight manifolds at a time.
+    pub wide: Wide,
     /// Friction law. TALK C2.
     pub friction: FrictionModel,
     /// Bouncing.
@@ -161,9 +165,10 @@ pub struct SolverOptions {
 impl Default for SolverOptions {
     fn default() -> Self {
         Self {
-            substeps: 8,
-            sweeps: 2,
+            substeps: 4,
+            sweeps: 1,
             relax_sweeps: 1,
+            jointed: Jointed::default(),
             penetration_recovery: PenetrationRecovery::default(),
             joint_recovery: JointRecovery::default(),
             slop: Slop::default(),
@@ -175,6 +180,7 @@ impl Default for SolverOptions {
             height: Height::default(),
             shock_propagation: ShockPropagation::default(),
             weight_amplification: WeightAmplification::default(),
+            wide: Wide::default(),
             friction: FrictionModel::Disk,
             restitution: Restitution::default(),
         }
@@ -186,6 +192,7 @@ impl SolverOptions {
     pub fn plain() -> Self {
         let mut options =
             Self { substeps: 1, sweeps: 10, relax_sweeps: 0, permutation: Permutation::None, ..Self::default() };
+        options.jointed = Jointed::ALIKE;
         options.penetration_recovery.enabled = false;
         options.slop.enabled = false;
         options.warm_start.enabled = false;
@@ -204,6 +211,7 @@ impl SolverOptions {
             substeps: 4,
             sweeps: 10,
             relax_sweeps: 0,
+            jointed: Jointed::ALIKE,
             permutation: Permutation::PerSweep,
             manifold_block: ManifoldBlock { enabled: false, ..ManifoldBlock::default() },
             level_correction: LevelCorrection { enabled: false },
@@ -211,6 +219,29 @@ impl SolverOptions {
             weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
             ..Self::default()
         }
+    }
+}
+
+/// What the reference solver does more while joints are at work: heaps of jointed bodies come to rest late, or never,
+/// at the few substeps that stacks stand at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Jointed {
+    /// This many times `substeps`.
+    pub substeps: u32,
+    /// This many times `sweeps`.
+    pub sweeps: u32,
+}
+
+impl Jointed {
+    /// As without joints.
+    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1 };
+}
+
+impl Default for Jointed {
+    fn default() -> Self {
+        Self { substeps: 2, sweeps: 2 }
     }
 }
 
@@ -398,6 +429,29 @@ impl Default for WeightAmplification {
     }
 }
 
+/// Islands of contacts are solved eight manifolds at a time, in batches that stay in the cache. What it cannot do
+/// (joints, bouncing, rolling friction, conveyors, moving ground, locked axes; shock propagation, other permutations
+/// than the alternating one, rows visited one by one) is solved by the readable reference, island by island.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Wide {
+    /// On or off.
+    pub enabled: bool,
+    /// Contacts between slow bodies that have no impulses yet start with the weight above them.
+    pub seed: bool,
+    /// Four lanes, which every machine has, instead of the most there are: the bits are the same.
+    pub narrow: bool,
+    /// What the wide path would take is solved by the reference in the order of its blocks: what the wide path is held to.
+    pub by_reference: bool,
+}
+
+impl Default for Wide {
+    fn default() -> Self {
+        Self { enabled: true, seed: true, narrow: false, by_reference: false }
+    }
+}
+
 /// Friction law. TALK C2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -545,6 +599,8 @@ impl SolverOptions {
     fn validate(&self) -> Result<()> {
         count("substeps", self.substeps, 1, 1000)?;
         count("sweeps", self.sweeps, 0, 100_000)?;
+        count("jointed.substeps", self.jointed.substeps, 1, 100)?;
+        count("jointed.sweeps", self.jointed.sweeps, 1, 100)?;
         count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;
         count("restitution.passes", self.restitution.passes, 0, 10_000)?;
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;

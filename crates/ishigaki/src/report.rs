@@ -89,6 +89,8 @@ pub struct StepReport {
     pub ids_expected: usize,
     /// Rows solved.
     pub rows: usize,
+    /// Of these, rows of the wide path; the reference solved the others.
+    pub wide_rows: usize,
     /// Awake islands.
     pub islands: usize,
     /// Sweeps over the rows in this step.

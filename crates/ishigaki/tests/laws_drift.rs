@@ -90,5 +90,7 @@ fn resting_block_stays() {
         laws::run(&mut world, 2.0, 1.0 / 60.0);
         body(&world, block).center()
     };
-    assert_eq!(place(DriftScheme::Trapezoidal), place(DriftScheme::Symplectic));
+    // The trapezoid is solved by the reference, the other by the wide path: rounding may differ.
+    let apart = (place(DriftScheme::Trapezoidal) - place(DriftScheme::Symplectic)).length();
+    assert!(apart < 1e-6, "{apart} m apart");
 }

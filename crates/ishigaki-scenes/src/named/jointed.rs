@@ -75,28 +75,42 @@ pub fn joint_grid(n: usize) -> SceneFile {
     scene.finish()
 }
 
-/// `planks` planks of 0.9 × 0.2 × 2 m, 500 kg/m³ = 180 kg, 1 m from one to the next, hinged in the middle of the gaps
-/// and at the ends to two fixed blocks (`left`, `right`), 5 m above the ground; three cubes of 0.5 m, 62.5 kg each,
-/// lie at ¼, ½ and ¾ of the way.
+/// `planks` planks of 0.9 × 0.2 × 2 m, 500 kg/m³ = 180 kg, 1 m from one to the next along an arc of 0.8 rad that sags
+/// between two fixed blocks (`left`, `right`), 5 m above the ground; hinged in the middle of the gaps and at the ends,
+/// and damped by .5/s, as wood and rope are; three cubes of 0.5 m, 62.5 kg each, lie at ¼, ½ and ¾ of the way.
 pub fn bridge(planks: usize) -> SceneFile {
     const HEIGHT: f32 = 5.0;
-    let length = planks as f32;
-    let mut scene = Builder::on_ground(10, [0.0, HEIGHT + 3.0, 0.8 * length + 6.0], [0.0, HEIGHT - 1.0, 0.0]);
-    let start = -0.5 * length;
+    const HALF_ARC: f32 = 0.4;
+    let count = planks as f32;
+    let mut scene = Builder::on_ground(10, [0.0, HEIGHT + 3.0, 0.8 * count + 6.0], [0.0, HEIGHT - 1.0, 0.0]);
+    let step = 2.0 * HALF_ARC / count;
+    let radius = 0.5 / sin(0.5 * step);
+    let on_arc = |angle: f32, inward: f32| {
+        let r = radius - inward;
+        Vec3::new(r * sin(angle), HEIGHT + radius * cos(HALF_ARC) - r * cos(angle), 0.0)
+    };
+    let joint_at = |k: usize| on_arc(step * k as f32 - HALF_ARC, 0.0);
     let block = |x| Body::fixed(Shape::cuboid(1.0, 0.1, 1.0)).at(Vec3::new(x, HEIGHT, 0.0));
-    let mut last = scene.add(block(start - 1.05).named("left"));
-    let joint_at = |k: usize| Vec3::new(start + k as f32, HEIGHT, 0.0);
+    let end = radius * sin(HALF_ARC) + 1.05;
+    let mut last = scene.add(block(-end).named("left"));
+    let turned = |angle: f32| Quat::from_xyzw(0.0, 0.0, sin(0.5 * angle), cos(0.5 * angle));
     for k in 0..planks {
-        let center = joint_at(k) + 0.5 * Vec3::X;
-        let plank = scene.add(Body::dynamic(Shape::cuboid(0.45, 0.1, 1.0)).density(500.0).at(center));
+        let center = 0.5 * (joint_at(k) + joint_at(k + 1));
+        let plank = Body::dynamic(Shape::cuboid(0.45, 0.1, 1.0)).density(500.0).damping(0.5, 0.5);
+        let plank = scene.add(plank.at(center).rotated(turned(step * (k as f32 + 0.5) - HALF_ARC)));
         scene.join(hinge(last, plank, joint_at(k), Vec3::Z));
         last = plank;
     }
-    let right = scene.add(block(-start + 1.05).named("right"));
+    let right = scene.add(block(end).named("right"));
     scene.join(hinge(last, right, joint_at(planks), Vec3::Z));
     for part in [0.25, 0.5, 0.75] {
-        let center = Vec3::new(start + part * length, HEIGHT + 0.1 + 0.25, 0.0);
-        scene.add(Body::dynamic(Shape::cuboid(0.25, 0.25, 0.25)).density(500.0).at(center));
+        // In the middle of a plank, whose upper side is .1 m inside its chord.
+        let k = (part * count).floor().min(count - 1.0);
+        let angle = step * (k + 0.5) - HALF_ARC;
+        let sagitta = radius * (1.0 - cos(0.5 * step));
+        let center = on_arc(angle, sagitta + 0.1 + 0.25);
+        let cube = Body::dynamic(Shape::cuboid(0.25, 0.25, 0.25)).density(500.0);
+        scene.add(cube.at(center).rotated(turned(angle)));
     }
     scene.finish()
 }

@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::handle::BodyHandle;
 use crate::mass::MassProperties;
 use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal, vector_from_rotation};
+use crate::motion::Spin;
 use crate::motion::forces::limited;
 use crate::shape::Shape;
 use serde::{Deserialize, Serialize};
@@ -253,6 +254,18 @@ impl BodyState {
         self.velocity = Vec3::ZERO;
         self.angular_velocity = Vec3::ZERO;
         self.angular_momentum = Vec3::ZERO;
+    }
+
+    /// R, L and ω with the inertia that ties them.
+    pub(crate) fn spin(&self) -> Spin {
+        Spin {
+            rotation: self.rotation,
+            principal_frame: self.mass.principal_frame,
+            principal_inertia: self.mass.principal_inertia,
+            inverse_principal_inertia: self.inverse_principal_inertia,
+            angular_momentum: self.angular_momentum,
+            angular_velocity: self.angular_velocity,
+        }
     }
 
     pub(crate) fn frame(&self) -> BodyFrame {

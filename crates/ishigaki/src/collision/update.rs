@@ -14,6 +14,9 @@ use crate::options::WorldOptions;
 use crate::world::World;
 use smallvec::SmallVec;
 
+/// Points up to this apart may bear a part of the load: what rounding leaves of a gap, × length scale.
+const CLOSED: f32 = 1e-5;
+
 impl World {
     /// Refreshes every pair that has a moving body and is not frozen; reports touching that began or ended.
     pub(crate) fn update_contacts(&mut self, dt: f32, hooks: Option<&mut (dyn ContactHooks + '_)>) {
@@ -51,7 +54,8 @@ impl World {
                 self.report.ids_expected += scratch.expected;
                 aggressive_sleep::freeze_if_at_rest(contact, a, b, options);
             }
-            contact.manifolds.iter_mut().for_each(share_evenly);
+            let closed = CLOSED * self.options.length_scale;
+            contact.manifolds.iter_mut().for_each(|m| share_evenly(m, closed));
         } else {
             return; // both asleep or fixed: nothing changed
         }

@@ -140,8 +140,9 @@ fn middle_arms(arm_a: Vec3, arm_b: Vec3, normal: Vec3, separation: f32) -> (Vec3
 /// Four points carry a load and two tilts: one combination ν of impulses is nothing at all (Σν = 0, Σν r = 0), and
 /// whatever an impact leaves of it a warm start keeps for ever, so that a box might rest on two opposite corners.
 /// λ − ν (ν·λ)/(ν·ν) is the solution of least norm, to which Gauss–Seidel tends; no λ becomes negative.
-pub fn share_evenly(m: &mut Manifold) {
-    let bears = |p: &ContactPoint| p.separation <= 0.0 || p.lambda_normal > 0.0;
+/// Points up to `closed` apart (m) may bear.
+pub fn share_evenly(m: &mut Manifold, closed: f32) {
+    let bears = |p: &ContactPoint| p.separation <= closed || p.lambda_normal > 0.0;
     let [a, b, c, d] = m.points.as_slice() else { return };
     if !m.points.iter().all(bears) {
         return;

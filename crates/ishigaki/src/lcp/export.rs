@@ -85,12 +85,10 @@ impl World {
         }
         let (labels, friction) = (labels(&world, &plan), friction(&plan));
         let (lower, upper) = plan.rows.iter().map(|r| (f64::from(r.lower), f64::from(r.upper))).unzip();
-        let warm = &world.options.solver.warm_start;
-        let factor = if warm.enabled { f64::from(warm.factor) } else { 0.0 };
         let problem = BoxLcp::new(matrix(&plan), offsets(&plan), lower, upper)?
             .with_friction(friction)?
             .with_groups(labels.iter().map(|label| label.group).collect())?;
-        let start = plan.rows.iter().map(|row| factor * f64::from(row.lambda)).collect();
+        let start = plan.rows.iter().map(|row| f64::from(row.lambda)).collect();
         Ok(ExportedLcp { problem, labels, start })
     }
 
@@ -101,13 +99,16 @@ impl World {
             return Err(Error::invalid("dt", why));
         }
         let mut plan = Plan::default();
+        // All rows in one table.
+        self.options.solver.wide.enabled = false;
         self.find_pairs(dt);
         self.update_contacts(dt, None);
         self.build_islands(dt);
         self.gather_forces(dt);
         self.build_rows(&mut plan, dt);
         plan::plan_sweep(&mut plan, &self.options.solver);
-        self.prepare_substep(&mut plan, dt, 0);
+        let h = dt / plan.substeps as f32;
+        self.prepare_substep(&mut plan, h, 0);
         Ok(plan)
     }
 }

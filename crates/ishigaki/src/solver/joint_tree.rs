@@ -53,13 +53,13 @@ pub struct Forest {
 impl Forest {
     /// Finds the trees among blocks of joint rows and marks their blocks; those of the last step if nothing changed.
     /// Of nets that would be too dear only the shortest paths to what does not move.
-    pub fn find(&mut self, rows: &[Row], blocks: &mut [Block], bodies: &[SolverBody]) {
-        let moving = |body: u32| (bodies[body as usize].inverse_mass != Vec3::ZERO).then_some(body);
+    pub fn find(&mut self, rows: &[Row], blocks: &mut [Block], bodies: &mut [SolverBody]) {
+        let moving = |bodies: &[SolverBody], b: u32| (bodies[b as usize].inverse_mass != Vec3::ZERO).then_some(b);
         std::mem::swap(&mut self.links, &mut self.last_links);
         self.links.clear();
         self.links.extend(blocks.iter().map(|block| {
             let row = &rows[block.first as usize];
-            (moving(row.body_a), moving(row.body_b), block.count)
+            (moving(bodies, row.body_a), moving(bodies, row.body_b), block.count)
         }));
         if self.links != self.last_links {
             self.trees.clear();
@@ -67,6 +67,9 @@ impl Forest {
         }
         for tree in &mut self.trees {
             tree.is_idle = tree.users.iter().any(|user| bodies[user.0 as usize].touched);
+            for user in &tree.users {
+                bodies[user.0 as usize].in_idle_tree = tree.is_idle;
+            }
             for &block in &tree.blocks {
                 blocks[block as usize].in_tree = !tree.is_idle;
             }
@@ -91,7 +94,10 @@ impl Forest {
         let moves = |b: u32| bodies[b as usize].inverse_mass != Vec3::ZERO;
         for same in by_root.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() > 1) {
             let mut tree = JointTree { blocks: same.iter().map(|s| s.1).collect(), ..JointTree::default() };
-            if !tree.connect(rows, blocks, &moves) {
+            // A loop that is closed twice over, as planks between two banks are, asks for the same motion in two ways:
+            // its K is singular but for rounding.
+            let is_affordable = tree.connect(rows, blocks, &moves);
+            if tree.has_loops(blocks, rows) || !is_affordable {
                 tree.in_net = true;
                 tree.keep_shortest_paths(rows, blocks, bodies.len(), &moves);
                 tree.connect(rows, blocks, &moves);
@@ -134,6 +140,21 @@ impl JointTree {
             let pair = nearer[far as usize].get_or_insert((a, b));
             *pair == (a, b)
         });
+    }
+
+    /// More pairs of bodies are joined than a tree of its moving bodies has.
+    fn has_loops(&self, blocks: &[Block], rows: &[Row]) -> bool {
+        let mut pairs: Vec<(u32, u32)> = self
+            .blocks
+            .iter()
+            .map(|&b| {
+                let row = &rows[blocks[b as usize].first as usize];
+                (row.body_a.min(row.body_b), row.body_a.max(row.body_b))
+            })
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs.len() > self.users.chunk_by(|a, b| a.0 == b.0).count()
     }
 
     fn connect(&mut self, rows: &[Row], blocks: &[Block], moves: &impl Fn(u32) -> bool) -> bool {
@@ -256,6 +277,10 @@ pub fn stiffen(rows: &[Row], blocks: &[Block], h: f32, bodies: &mut [SolverBody]
     }
     for block in blocks {
         let rows = &rows[block.first as usize..][..block.count as usize];
+        // Solved softly and one by one, they need none, and heaps come to rest sooner without.
+        if bodies[rows[0].body_a as usize].in_idle_tree || bodies[rows[0].body_b as usize].in_idle_tree {
+            continue;
+        }
         let impulse: Vec3 = rows.iter().map(|r| r.lambda * r.jacobian.linear).sum();
         let axes = rows.iter().filter(|r| r.jacobian.linear != Vec3::ZERO).count();
         // Σ|r × e|² = 2|r|² over three axes, |r|² or less over one.

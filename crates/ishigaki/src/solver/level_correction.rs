@@ -21,7 +21,10 @@ use crate::solver::reference::{self, Unit};
 use crate::solver::table::SolverBody;
 use crate::solver::work as cost;
 use crate::world::World;
+use std::collections::BTreeMap;
 
+/// Cells begin here, in cells: not where things of one or one half of the length scale stand.
+const OFFSET: f32 = 0.25;
 /// Modes of a level.
 const LEVEL_MODES: usize = 3;
 /// Modes of a manifold.
@@ -70,9 +73,26 @@ struct Entry {
     angular: [Vec3; MAX_SIZE],
 }
 
+/// What was chosen for an island, and for what.
+#[derive(Clone, Debug, Default)]
+struct Choice {
+    /// Bodies, level and cell of each member; the work a factorization may cost.
+    key: Vec<[i64; 4]>,
+    most_work: u64,
+    fine: bool,
+    doublings: u32,
+    pattern: Pattern,
+}
+
+/// Choices that are remembered at most; beyond, all are forgotten and made again.
+const MOST_CHOICES: usize = 4096;
+
 /// Arrays that are used again.
 #[derive(Clone, Debug, Default)]
 pub struct LevelCorrection {
+    /// By the first body of the island. The same island with the same contacts gets the same choice, remembered or not.
+    choices: BTreeMap<u32, Choice>,
+    key: Vec<[i64; 4]>,
     members: Vec<Member>,
     pattern: Pattern,
     ldl: BlockLdl,
@@ -89,6 +109,7 @@ pub struct LevelCorrection {
     touched: Vec<u32>,
     /// Multiply-adds of the step so far.
     pub work: u64,
+    current: Option<(u32, Choice)>,
     links: Vec<(u32, u32)>,
     users: Vec<(u32, u32)>,
 }
@@ -102,7 +123,7 @@ const EPSILON: f32 = 1e-4;
 const ROUNDS: usize = 6;
 /// A correction that takes less than this part of Σλ g h was the last, and below `CALM` none is made.
 const ENOUGH: f32 = 1e-7;
-const CALM: f32 = 1e-9;
+pub(crate) const CALM: f32 = 1e-9;
 /// A correction must take this part of what sweeps for the same work would take; else it rests for `PAUSE` steps.
 const WORTH: f32 = 0.2;
 const HOPELESS: f32 = 0.03;
@@ -128,6 +149,7 @@ impl World {
             let stands = !pauses && active > 1 && island[0].level == 1 && island[active - 1].level > 1;
             if stands {
                 let worth_it = self.correct_island(plan, &mut work, island, active, h);
+                work.remember();
                 if !worth_it {
                     self.bodies.at_mut(first).no_correction_until = self.step_count + PAUSE;
                 }
@@ -170,7 +192,7 @@ impl World {
                 break;
             }
             let before = work.work;
-            let fine = *fine.get_or_insert_with(|| work.choose_groups(plan, island, cell, SWEEPS * sweep_work));
+            let fine = *fine.get_or_insert_with(|| work.find_groups(plan, island, cell, SWEEPS * sweep_work));
             let gain = self.correct_once(plan, work, island, fine);
             let sweeps = (work.work - before) as f32 / sweep_work as f32;
             let worth_it = gain > WORTH * sweeps * unrest;
@@ -387,10 +409,15 @@ fn island_groups(island: &[Member]) -> impl Iterator<Item = std::ops::Range<usiz
     })
 }
 
+/// Index of the smallest cell along one axis; larger ones are made of these.
+fn cell_of(at: f32, cell: f32) -> i64 {
+    (at / cell + OFFSET).floor() as i64
+}
+
 /// Unites manifolds of a level whose upper bodies are in the same cell; members are sorted by group after it.
-fn group_cells(island: &mut [Member], cell: f32) -> usize {
+fn group_cells(island: &mut [Member], cell: f32, doublings: u32) -> usize {
     let key = |m: &Member| {
-        let [x, y] = m.at.map(|c| (c / cell).floor() as i64);
+        let [x, y] = m.at.map(|c| cell_of(c, cell) >> doublings);
         (m.level, x, y)
     };
     island.sort_unstable_by_key(|m| (key(m), m.manifold));
@@ -415,9 +442,51 @@ fn number_rows(plan: &Plan, island: &mut [Member]) -> usize {
 }
 
 impl LevelCorrection {
+    /// The groups of an island, from memory if it is as it was when they were chosen.
+    fn find_groups(&mut self, plan: &Plan, island: &mut [Member], cell: f32, most_work: u64) -> bool {
+        let mut key = std::mem::take(&mut self.key);
+        key.clear();
+        key.extend(island.iter().map(|m| {
+            let row = &plan.rows[plan.manifolds[m.manifold as usize].first as usize];
+            let [x, y] = m.at.map(|c| cell_of(c, cell));
+            [i64::from(row.body_a), i64::from(row.body_b), x, (y << 32) | i64::from(m.level)]
+        }));
+        let first = island.iter().map(|m| m.body).min().unwrap_or(0);
+        let known = self.choices.remove(&first).filter(|c| c.most_work == most_work && c.key == key);
+        let choice = if let Some(mut choice) = known {
+            std::mem::swap(&mut self.pattern, &mut choice.pattern);
+            if choice.fine {
+                for (k, member) in island.iter_mut().enumerate() {
+                    member.group = k as u32;
+                }
+            } else {
+                group_cells(island, cell, choice.doublings);
+            }
+            self.key = key;
+            choice
+        } else {
+            let (fine, doublings) = self.choose_groups(plan, island, cell, most_work);
+            Choice { key, most_work, fine, doublings, pattern: Pattern::default() }
+        };
+        let fine = choice.fine;
+        if self.choices.len() >= MOST_CHOICES {
+            self.choices.clear();
+        }
+        self.current = Some((first, choice));
+        fine
+    }
+
+    /// Puts the choice of the island back into memory.
+    fn remember(&mut self) {
+        if let Some((first, mut choice)) = self.current.take() {
+            std::mem::swap(&mut self.pattern, &mut choice.pattern);
+            self.choices.insert(first, choice);
+        }
+    }
+
     /// Each manifold a node if that is affordable, else all of a level within a cell, in cells as small as possible;
     /// whether each is its own.
-    fn choose_groups(&mut self, plan: &Plan, island: &mut [Member], cell: f32, most_work: u64) -> bool {
+    fn choose_groups(&mut self, plan: &Plan, island: &mut [Member], cell: f32, most_work: u64) -> (bool, u32) {
         for (k, member) in island.iter_mut().enumerate() {
             member.group = k as u32;
         }
@@ -426,21 +495,19 @@ impl LevelCorrection {
         self.link_by_bodies(plan, island);
         if self.pattern.analyze(island.len(), self.links.iter().copied(), (most_work as f32 / mean.powi(3)) as u64) {
             self.pattern.set_sizes(island.iter().map(size));
-            return true;
+            return (true, 0);
         }
         let most = most_work / LEVEL_MODES.pow(3) as u64;
-        let mut cell = cell;
-        for doubling in 0..=MOST_DOUBLINGS {
-            let groups = group_cells(island, cell);
+        for doublings in 0..=MOST_DOUBLINGS {
+            let groups = group_cells(island, cell, doublings);
             self.link_by_bodies(plan, island);
-            let most = if doubling == MOST_DOUBLINGS { u64::MAX } else { most };
+            let most = if doublings == MOST_DOUBLINGS { u64::MAX } else { most };
             if self.pattern.analyze(groups, self.links.iter().copied(), most) {
                 self.pattern.set_sizes((0..groups).map(|_| LEVEL_MODES));
-                break;
+                return (false, doublings);
             }
-            cell *= 2.0;
         }
-        false
+        (false, MOST_DOUBLINGS)
     }
 
     /// What a visit to each row alone would take of the energy of the residual, J.

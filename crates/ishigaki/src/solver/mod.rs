@@ -18,4 +18,5 @@ mod substeps;
 pub mod table;
 pub mod warm_start;
 pub mod weight_amplification;
+pub mod wide;
 pub mod work;

@@ -21,6 +21,7 @@ pub struct Recovery {
     /// Overlap left alone, m.
     pub slop: f32,
     /// A gap that counts as touching where an impulse bears already, m: rounding of f32 must not switch support off.
+    /// It is never more than that impulse would close in a substep, so that nothing jumps when a contact begins to bear.
     pub deadband: f32,
 }
 
@@ -36,12 +37,12 @@ impl Recovery {
     }
 
     // ANCHOR: bias
-    /// Bias with and without recovery of a normal row at `separation` (m, negative = overlap), substep `h` (s), that
-    /// `bears` an impulse or not.
+    /// Bias with and without recovery of a normal row at `separation` (m, negative = overlap), substep `h` (s), whose
+    /// impulse changes its velocity by `borne` (λ J M⁻¹Jᵀ, m/s).
     #[inline]
-    pub fn bias(&self, separation: f32, h: f32, bears: bool) -> (f32, f32) {
+    pub fn bias(&self, separation: f32, h: f32, borne: f32) -> (f32, f32) {
         if separation > 0.0 {
-            let deadband = if bears { self.deadband } else { 0.0 };
+            let deadband = (h * borne).min(self.deadband);
             let gap = (separation - deadband).max(0.0) / h;
             (gap, gap)
         } else {

@@ -15,6 +15,7 @@ use crate::solver::level_correction::LevelCorrection;
 use crate::solver::manifold_block::{self, ManifoldBlock};
 use crate::solver::reference::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
+use crate::solver::wide::Wide;
 use crate::solver::{shock_propagation, weight_amplification, work};
 use crate::world::World;
 
@@ -27,6 +28,12 @@ pub struct Plan {
     pub movers: Vec<u32>,
     /// From slots to `bodies`; 0 for whatever does not move.
     pub index_of: Vec<u32>,
+    /// Substeps of a step, and how many of them one of the options is: more where there are joints.
+    pub substeps: u32,
+    /// Sweeps with recovery in each.
+    pub sweeps: u32,
+    /// Impulses are stored for a substep of the options: this many times those of a substep here.
+    pub share: f32,
     /// The table.
     pub rows: Vec<Row>,
     /// What a sweep visits as one, in the order of visiting.
@@ -49,6 +56,11 @@ pub struct Plan {
     pub sweep_work: u64,
     /// Multiply-adds of masses and factors of joints.
     pub joint_work: u64,
+    /// Islands of a batch that these rows are for, and those chosen for correction.
+    pub(crate) rows_of: Vec<bool>,
+    pub(crate) chosen: Vec<bool>,
+    /// Islands that are solved wide.
+    pub wide: Wide,
     /// Arrays of level correction.
     pub level_correction: LevelCorrection,
 }
@@ -84,10 +96,28 @@ pub struct JointRows {
 impl World {
     /// Stage `build_rows`.
     pub(crate) fn build_rows(&mut self, plan: &mut Plan, dt: f32) {
+        self.count_substeps(plan);
+        let mut wide = std::mem::take(&mut plan.wide);
+        self.build_batches(&mut wide, dt);
+        plan.wide = wide;
         self.collect_bodies(plan);
         plan.rows.clear();
         self.add_joint_rows(plan, dt);
         self.add_contact_rows(plan, dt);
+    }
+
+    /// What the reference does in a step: more where joints are at work.
+    fn count_substeps(&self, plan: &mut Plan) {
+        let solver = &self.options.solver;
+        let is_active = |slot| self.bodies.at(slot).is_active();
+        let jointed = self
+            .joints
+            .iter()
+            .any(|(_, joint)| is_active(joint.definition.body_a.index) || is_active(joint.definition.body_b.index));
+        let (substeps, sweeps) = if jointed { (solver.jointed.substeps, solver.jointed.sweeps) } else { (1, 1) };
+        plan.substeps = solver.substeps * substeps;
+        plan.sweeps = solver.sweeps * sweeps;
+        plan.share = substeps as f32;
     }
 
     fn collect_bodies(&mut self, plan: &mut Plan) {
@@ -98,7 +128,7 @@ impl World {
         plan.index_of.resize(self.bodies.slot_count(), 0);
         for (slot, body) in self.bodies.iter() {
             let dynamic = body.is_active();
-            if !(dynamic || body.is_moving_kinematic()) {
+            if !(dynamic || body.is_moving_kinematic()) || plan.wide.takes(slot) {
                 continue;
             }
             plan.index_of[slot as usize] = plan.bodies.len() as u32;
@@ -117,8 +147,8 @@ impl World {
     fn add_joint_rows(&mut self, plan: &mut Plan, dt: f32) {
         plan.joints.clear();
         plan.blocks.clear();
-        let scale = self.warm_start_scale(dt);
-        let step = self.joint_step(dt);
+        let scale = self.warm_start_scale(dt) / plan.share;
+        let step = self.joint_step(dt / plan.substeps as f32);
         let recovery = &self.options.solver.joint_recovery;
         let softness = if recovery.enabled { recovery.softness } else { 0.0 };
         for (slot, joint) in self.joints.iter_mut() {
@@ -146,13 +176,14 @@ impl World {
 
     fn add_contact_rows(&self, plan: &mut Plan, dt: f32) {
         plan.manifolds.clear();
-        let scale = self.warm_start_scale(dt);
+        let scale = self.warm_start_scale(dt) / plan.share;
         let model = self.options.solver.friction;
         for (index, contact) in self.contacts.iter().enumerate() {
             let (slot_a, slot_b) = (contact.body_a as usize, contact.body_b as usize);
             let (body_a, body_b) = (plan.index_of[slot_a], plan.index_of[slot_b]);
             let dynamic = |slot: u32| self.bodies.at(slot).is_active();
-            if contact.sensor || !(dynamic(contact.body_a) || dynamic(contact.body_b)) {
+            let is_wide = plan.wide.takes(contact.body_a) || plan.wide.takes(contact.body_b);
+            if contact.sensor || is_wide || !(dynamic(contact.body_a) || dynamic(contact.body_b)) {
                 continue;
             }
             let surface = Surface {
@@ -183,19 +214,17 @@ impl World {
         }
     }
 
-    /// Impulses are forces times the substep: they scale when it changes.
+    /// Impulses are forces times the substep of the options: they scale when it changes.
     pub(crate) fn warm_start_scale(&self, dt: f32) -> f32 {
         let h = dt / self.options.solver.substeps as f32;
         let change = if self.last_substep > 0.0 { h / self.last_substep } else { 0.0 };
-        if self.options.solver.warm_start.enabled { change } else { 0.0 }
+        let options = &self.options.solver.warm_start;
+        if options.enabled { change * options.factor } else { 0.0 }
     }
 
-    pub(crate) fn joint_step(&self, dt: f32) -> JointStep {
+    pub(crate) fn joint_step(&self, h: f32) -> JointStep {
         let recovery = &self.options.solver.joint_recovery;
-        JointStep {
-            h: dt / self.options.solver.substeps as f32,
-            recovery_rate: if recovery.enabled { recovery.rate } else { 0.0 },
-        }
+        JointStep { h, recovery_rate: if recovery.enabled { recovery.rate } else { 0.0 } }
     }
 }
 
@@ -206,7 +235,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     let first_contact = plan.manifolds.first().map_or(plan.rows.len(), |m| m.first as usize);
     let single = if blocks { first_contact } else { plan.rows.len() };
     if options.joint_tree.enabled {
-        plan.forest.find(&plan.rows, &mut plan.blocks, &plan.bodies);
+        plan.forest.find(&plan.rows, &mut plan.blocks, &mut plan.bodies);
     } else {
         plan.forest = Forest::default();
     }
@@ -222,7 +251,18 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     plan.manifold_blocks.clear();
     if blocks {
         plan.manifold_blocks.extend(plan.manifolds.iter().map(ManifoldBlock::new));
+        let first = plan.units.len();
         plan.units.extend((0..plan.manifold_blocks.len() as u32).map(Unit::Manifold));
+        if !plan.wide.order.is_empty() {
+            let place = |unit: &Unit| {
+                let Unit::Manifold(index) = *unit else { return u32::MAX };
+                let m = &plan.manifolds[index as usize];
+                let order = &plan.wide.order;
+                let found = order.binary_search_by_key(&(m.contact, m.manifold), |&(c, k, _)| (c, k));
+                found.map_or(u32::MAX, |at| order[at].2)
+            };
+            plan.units[first..].sort_by_key(place);
+        }
     }
     for (i, row) in plan.rows[..single].iter().enumerate() {
         let alone = match row.coupling {
@@ -237,7 +277,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     // The last sweep before bodies move ends with the trees: what is between joints then has no gap to grow.
     let trees = plan.forest.trees.iter().enumerate().filter(|(_, t)| !t.is_idle);
     plan.units.extend(trees.map(|(index, _)| Unit::Tree(index as u32)));
-    if options.permutation == Permutation::Alternating && options.sweeps.is_multiple_of(2) {
+    if options.permutation == Permutation::Alternating && plan.sweeps.is_multiple_of(2) {
         plan.units.reverse();
     }
     plan.calm.clear();

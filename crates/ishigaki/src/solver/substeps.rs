@@ -25,25 +25,28 @@ use arrayvec::ArrayVec;
 impl World {
     /// Stage `solve`.
     pub(crate) fn solve(&mut self, plan: &mut Plan, dt: f32) {
-        let substeps = self.options.solver.substeps;
+        let substeps = plan.substeps;
         let h = dt / substeps as f32;
         for manifold in self.contacts.iter_mut().flat_map(|c| &mut c.manifolds) {
             for point in &mut manifold.points {
                 point.impulse = 0.0;
             }
         }
+        let mut wide = std::mem::take(&mut plan.wide);
+        self.solve_batches(&mut wide, dt);
+        plan.wide = wide;
         for substep in 0..substeps {
-            self.substep(plan, dt, h, substep);
+            self.substep(plan, h, substep);
         }
         self.report.work += std::mem::take(&mut plan.level_correction.work);
-        self.report.work_budget = work::budget(plan.rows.len());
-        self.last_substep = h;
+        self.report.work_budget = work::budget(plan.rows.len() + plan.wide.rows);
+        self.last_substep = dt / self.options.solver.substeps as f32;
         self.store_impulses(plan, dt);
     }
 
-    fn substep(&mut self, plan: &mut Plan, dt: f32, h: f32, substep: u32) {
-        self.prepare_substep(plan, dt, substep);
-        self.start_warm(plan, substep);
+    fn substep(&mut self, plan: &mut Plan, h: f32, substep: u32) {
+        self.prepare_substep(plan, h, substep);
+        self.start_warm(plan);
         self.velocity_sweeps(plan, h);
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
@@ -57,10 +60,9 @@ impl World {
     }
 
     /// All that comes before the impulses of a substep: rows of joints anew, forces, masses, biases, impacts.
-    pub(crate) fn prepare_substep(&mut self, plan: &mut Plan, dt: f32, substep: u32) {
-        let h = dt / self.options.solver.substeps as f32;
+    pub(crate) fn prepare_substep(&mut self, plan: &mut Plan, h: f32, substep: u32) {
         if substep > 0 {
-            self.refresh_joint_rows(plan, dt);
+            self.refresh_joint_rows(plan, h);
         }
         self.apply_forces(plan, h, substep == 0);
         joint_tree::stiffen(&plan.rows, &plan.blocks, h, &mut plan.bodies);
@@ -72,8 +74,8 @@ impl World {
     }
 
     /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
-    fn refresh_joint_rows(&mut self, plan: &mut Plan, dt: f32) {
-        let step = self.joint_step(dt);
+    fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
+        let step = self.joint_step(h);
         self.for_joint_rows(plan, &step, |row, spec, _| {
             let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
             *row = Row {
@@ -139,7 +141,8 @@ impl World {
             (state.angular_momentum, state.angular_velocity) = (spin.angular_momentum, spin.angular_velocity);
             body.velocity = state.velocity;
             body.angular_velocity = state.angular_velocity;
-            body.turned = first || body.jointed || body.turned_since_inertia() > SAME_TURN;
+            // Contacts keep Jacobians and masses over the step; joints have theirs anew.
+            body.turned = first || body.jointed;
             if body.turned {
                 body.inverse_inertia = state.inverse_inertia_world();
                 body.inertia = state.inertia_world();
@@ -153,7 +156,7 @@ impl World {
         let options = &self.options.solver;
         let scale = self.options.length_scale;
         let recovery = Recovery::new(&options.penetration_recovery, slop::depth(&options.slop, scale), scale);
-        let warm = options.warm_start.enabled && options.warm_start.factor > 0.0;
+        let warm = options.warm_start.enabled;
         let mut gaps = Gaps { any_bounce: false };
         for m in &plan.manifolds {
             gaps.any_bounce |= m.restitution > 0.0;
@@ -161,7 +164,9 @@ impl World {
             let first = (m.first + m.layout.first_normal()) as usize;
             for (row, point) in plan.rows[first..].iter_mut().zip(&manifold.points) {
                 let separation = point.separation + row.displacement(&plan.bodies);
-                (row.bias, row.relax_bias) = recovery.bias(separation, h, warm && row.lambda > 0.0);
+                let is_borne = warm && row.lambda > 0.0 && row.effective_mass > 0.0;
+                let borne = if is_borne { row.lambda / row.effective_mass } else { 0.0 };
+                (row.bias, row.relax_bias) = recovery.bias(separation, h, borne);
             }
         }
         gaps
@@ -187,7 +192,7 @@ impl World {
             }
         }
         for sweep in 0..self.options.solver.relax_sweeps {
-            self.one_sweep(plan, self.options.solver.sweeps + sweep);
+            self.one_sweep(plan, plan.sweeps + sweep);
         }
         self.commit_velocities(plan);
     }
@@ -230,14 +235,9 @@ impl World {
         }
     }
 
-    fn start_warm(&mut self, plan: &mut Plan, substep: u32) {
-        let options = &self.options.solver.warm_start;
-        let factor = match (options.enabled, substep) {
-            (false, _) => 0.0,
-            (true, 0) => options.factor,
-            // Within a step the impulses of the last substep are the best guess there is.
-            (true, _) => 1.0,
-        };
+    fn start_warm(&mut self, plan: &mut Plan) {
+        // The factor is for impulses of the last step; those of the last substep are the best guess there is.
+        let factor = if self.options.solver.warm_start.enabled { 1.0 } else { 0.0 };
         if self.blends_shock() {
             // Both solutions start from the same velocities: each applies the impulses itself.
             for row in &mut plan.rows {
@@ -249,7 +249,7 @@ impl World {
     }
 
     /// Level correction needs the masses as they are.
-    fn corrects_levels(&self) -> bool {
+    pub(crate) fn corrects_levels(&self) -> bool {
         let options = &self.options.solver;
         options.level_correction.enabled && !options.weight_amplification.enabled && !options.shock_propagation.enabled
     }
@@ -275,7 +275,7 @@ impl World {
         if self.corrects_levels() {
             self.correct_levels(plan, h);
         }
-        for sweep in 0..self.options.solver.sweeps {
+        for sweep in 0..plan.sweeps {
             self.one_sweep(plan, sweep);
             if self.options.report.residual_by_sweep {
                 self.report.residual_by_sweep.push(residual::residual(&plan.rows, &plan.blocks, &plan.bodies));
@@ -290,7 +290,7 @@ impl World {
             // From the ground up, whatever the permutation did within a level.
             shock_propagation::sort_upward(plan);
         }
-        if (1..self.options.solver.sweeps).contains(&sweep) && !plan.calm.is_empty() {
+        if (1..plan.sweeps).contains(&sweep) && !plan.calm.is_empty() {
             let passes = self.options.solver.manifold_block.passes;
             let saved = reference::sweep_restless(plan, passes);
             self.report.sweeps += 1;
@@ -327,7 +327,7 @@ impl World {
         refresh_masses(plan, true);
         apply_all(plan);
         let order = plan.units.clone();
-        for sweep in 0..self.options.solver.sweeps {
+        for sweep in 0..plan.sweeps {
             permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
             shock_propagation::sort_upward(plan);
             self.sweep_units(plan);
@@ -404,7 +404,7 @@ impl World {
             let rows = &plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
             let manifold = &mut self.contacts[m.contact as usize].manifolds[m.manifold as usize];
             lambdas.clear();
-            lambdas.extend(rows.iter().map(|r| r.lambda));
+            lambdas.extend(rows.iter().map(|r| plan.share * r.lambda));
             contact::store(manifold, &m.surface, model, &lambdas);
             let normals = &rows[m.layout.first_normal() as usize..];
             for (point, row) in manifold.points.iter_mut().zip(normals) {
@@ -417,7 +417,7 @@ impl World {
             let rows = &plan.rows[j.first as usize..(j.first + j.count) as usize];
             let joint = self.joints.at_mut(j.joint);
             for (stored, row) in joint.lambdas.iter_mut().zip(rows) {
-                *stored = row.lambda;
+                *stored = plan.share * row.lambda;
             }
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
@@ -436,8 +436,6 @@ struct Gaps {
     any_bounce: bool,
 }
 
-/// A body that turned less than this keeps its inertia over the substeps, rad.
-const SAME_TURN: f32 = 0.02;
 /// A joint whose bodies turned more than this within a substep is factored anew after it, rad.
 const FAR_TURN: f32 = 0.1;
 
@@ -516,12 +514,5 @@ fn apply_all(plan: &mut Plan) {
 }
 
 fn spin_of(state: &BodyState) -> Spin {
-    Spin {
-        rotation: state.rotation,
-        principal_frame: state.mass.principal_frame,
-        principal_inertia: state.mass.principal_inertia,
-        inverse_principal_inertia: state.inverse_principal_inertia,
-        angular_momentum: state.angular_momentum,
-        angular_velocity: state.angular_velocity,
-    }
+    state.spin()
 }

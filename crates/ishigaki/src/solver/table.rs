@@ -28,6 +28,8 @@ pub struct SolverBody {
     pub jointed: bool,
     /// It has contacts.
     pub touched: bool,
+    /// Its joints are solved one by one, since it or what it is joined to touches something.
+    pub in_idle_tree: bool,
     /// How far it had turned when its inertia was taken, rad.
     pub turn_of_inertia: Vec3,
     /// How far the center moved in this step, m.
@@ -55,6 +57,7 @@ impl SolverBody {
         turned: false,
         jointed: false,
         touched: false,
+        in_idle_tree: false,
         turn_of_inertia: Vec3::ZERO,
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,

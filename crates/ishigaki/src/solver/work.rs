@@ -14,6 +14,13 @@ pub const VISIT: u64 = VELOCITY + APPLY + 3;
 pub const RESPONSE: u64 = 24;
 /// J · (M⁻¹J'ᵀ) of two rows of the same two bodies.
 pub const INNER: u64 = 9;
+/// A visit to a manifold of `count` points in the wide path: relative velocity and pushes are shared by its normals.
+pub const fn wide_visit(count: u64, passes: u64) -> u64 {
+    let normals = 18 + count * 12 + passes * count * (count + 1);
+    let disk = 6 + 2 * 9 + 14 + 2 * 12;
+    normals + count * disk
+}
+
 /// Visits to every row in the budget.
 pub const BUDGET_VISITS: u64 = 12;
 

@@ -1,7 +1,7 @@
 //! What the laws share: step sizes, worlds that do not sleep, the test of an order of convergence.
 #![allow(dead_code, reason = "each file of laws uses its own part")]
 
-use ishigaki::{BodyHandle, BodyState, Vec3, World, WorldOptions};
+use ishigaki::{BodyHandle, BodyState, Jointed, Vec3, World, WorldOptions};
 
 /// Every law holds at these with the substeps of [`options`], s.
 pub const STEPS: [f32; 3] = [1.0 / 60.0, 1.0 / 240.0, 1.0 / 960.0];
@@ -10,13 +10,14 @@ pub const DEFAULT_STEPS: [f32; 2] = [STEPS[0], STEPS[1]];
 /// Default gravity, m/s².
 pub const G: f64 = 9.81;
 
-/// Default options without sleep: a law is about what moves. Four substeps, not the default eight: an order shows only
+/// Default options without sleep: a law is about what moves. Four substeps, joints or not: an order shows only
 /// where the error of the scheme is greater than rounding. With many at 1/960 s, eight of 1/7680 s say, the errors stay
 /// far below 1 % (4.5e-4 of a stop distance, 1.3e-4 of the period at 170°), but no longer shrink: they are what
 /// f32 rounds off. That the default keeps the laws of pendulum and friction is shown at [`DEFAULT_STEPS`].
 pub fn options() -> WorldOptions {
     let mut options = WorldOptions::default();
-    options.solver.substeps = 4;
+    (options.solver.substeps, options.solver.sweeps) = (4, 2);
+    options.solver.jointed = Jointed::ALIKE;
     options.rest.sleep.enabled = false;
     options
 }

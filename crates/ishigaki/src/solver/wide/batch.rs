@@ -1,0 +1,265 @@
+//! Islands that are solved together while they are in the cache: bodies, blocks of manifolds, and their colors.
+//!
+//! Manifolds get the lowest color that none of their bodies has yet, in the order of contacts; eight of a color make
+//! a block. Colors depend on islands and contacts alone, never on lanes or threads.
+
+use crate::body::{BodyState, NO_HEIGHT};
+use crate::collision::manifold::{Contact, Manifold};
+use crate::handle::Arena;
+use crate::math::Vec3;
+use crate::options::{FrictionModel, SolverOptions, WorldOptions};
+use crate::solver::weight_amplification;
+use crate::solver::wide::contact_block::{ContactBlock, RootInertia, ScaleLanes, prepare};
+use crate::solver::wide::lanes::{LANES, Lane, Record};
+use crate::solver::wide::mover::Mover;
+use fearless_simd::{Level, dispatch};
+
+/// Colors that are told apart; what finds none of them free gets a block of its own.
+const COLORS: usize = 64;
+
+/// A body that moves no faster than this part of what aggressive sleep calls rest is not about to go.
+const CALM_SPEED: f32 = 0.2;
+
+/// Where a manifold is.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Index of the contact.
+    pub contact: u32,
+    /// Which of its manifolds.
+    pub manifold: u32,
+    /// Its bodies in the batch; 0 for what does not move.
+    pub bodies: [u32; 2],
+    /// Island, local to the batch.
+    pub island: u32,
+    color: u32,
+    /// Block.
+    pub block: u32,
+    /// Lane of the block.
+    pub lane: u32,
+}
+
+/// What a batch remembers of each of its islands.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct IslandState {
+    /// Its number in the world.
+    pub number: u32,
+    /// Slot of a body that belongs to it, the first of all.
+    pub first_body: u32,
+    /// Levels it has.
+    pub levels: u32,
+    /// Manifolds.
+    pub manifolds: u32,
+    /// Σλ_n, N·s.
+    pub load: f32,
+    /// Energy that visits to its rows would take, J.
+    pub unrest: f32,
+}
+
+/// Islands that are solved together.
+#[derive(Clone, Debug, Default)]
+pub struct Batch {
+    /// Bodies; their index here is one less than in the arrays of records, where 0 is the ground.
+    pub movers: Vec<Mover>,
+    /// u' of the ground and of all movers.
+    pub velocities: Vec<Record>,
+    /// u' before the sweeps.
+    pub before: Vec<Record>,
+    /// J'ᵀλ of the last substep: the warm start of the next, without a pass over the rows.
+    pub carried: Vec<Record>,
+    /// Mass-weighted ways since the start of the step.
+    pub displacements: Vec<Record>,
+    /// Rows of the reference that its manifolds would be.
+    pub rows: u32,
+    /// Substeps it takes: one where all bodies rest.
+    pub substeps: u32,
+    /// Manifolds in the order of contacts.
+    pub places: Vec<Place>,
+    /// Blocks, color by color.
+    pub blocks: Vec<ContactBlock>,
+    /// Of each block where masses are amplified; else one for all.
+    pub scales: Vec<ScaleLanes>,
+    /// Islands.
+    pub islands: Vec<IslandState>,
+    /// Of each block and lane: energy that visits to its rows would take, J.
+    pub unrest: Vec<Lane>,
+    used_colors: Vec<u64>,
+    color_counts: Vec<u32>,
+    roots: Vec<[RootInertia; 2]>,
+    counts: Vec<Lane>,
+}
+
+/// What lanes are filled from.
+#[derive(Clone, Copy)]
+pub(crate) struct Source<'a> {
+    /// All contacts.
+    pub contacts: &'a [Contact],
+    /// All bodies.
+    pub bodies: &'a Arena<BodyState>,
+    /// Of the world.
+    pub options: &'a WorldOptions,
+    /// s.
+    pub dt: f32,
+    /// From stored impulses to the first λ.
+    pub warm_scale: f32,
+}
+
+impl Place {
+    /// A manifold before it has a color.
+    pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
+        Self { contact, manifold, bodies, island, color: 0, block: 0, lane: 0 }
+    }
+}
+
+impl Batch {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.movers.clear();
+        self.places.clear();
+        self.islands.clear();
+    }
+
+    /// Adds a body; its index in the records.
+    pub fn add_mover(&mut self, slot: u32, body: &BodyState, gravity: Vec3) -> u32 {
+        self.movers.push(Mover::new(slot, body, gravity));
+        self.movers.len() as u32
+    }
+
+    /// Colors, blocks, rows.
+    pub(crate) fn build(&mut self, level: Level, source: &Source<'_>) {
+        let rest = &source.options.rest.aggressive_sleep;
+        // What hangs in the air for a moment, at the top of its flight say, or begins to slide does not rest.
+        let rests = |slot: u32| {
+            let body = source.bodies.at(slot);
+            let speed = CALM_SPEED * rest.linear_speed * source.options.length_scale.sqrt();
+            body.rest_steps >= rest.steps && body.height != NO_HEIGHT && body.velocity.length_squared() <= speed * speed
+        };
+        let full = source.options.solver.substeps;
+        self.substeps = if rest.enabled && self.movers.iter().all(|m| rests(m.slot)) { 1 } else { full };
+        let source = &Source { warm_scale: source.warm_scale * (full / self.substeps) as f32, ..*source };
+        let ground = Record::default();
+        for records in [&mut self.velocities, &mut self.before, &mut self.carried, &mut self.displacements] {
+            records.clear();
+            records.resize(self.movers.len() + 1, ground);
+        }
+        self.color();
+        self.fill(source);
+        if source.options.solver.wide.seed && source.options.solver.warm_start.enabled {
+            self.seed(source, source.dt / self.substeps as f32);
+        }
+        dispatch!(level, simd => {
+            for (k, block) in self.blocks.iter_mut().enumerate() {
+                let scale = &self.scales[k.min(self.scales.len() - 1)];
+                prepare(simd, block, scale, &self.roots[k], &self.counts[k]);
+            }
+        });
+    }
+
+    fn color(&mut self) {
+        self.used_colors.clear();
+        self.used_colors.resize(self.movers.len() + 1, 0);
+        self.color_counts.clear();
+        self.color_counts.resize(COLORS, 0);
+        for place in &mut self.places {
+            let taken = place.bodies.iter().filter(|&&b| b != 0).fold(0, |m, &b| m | self.used_colors[b as usize]);
+            let color = taken.trailing_ones() as usize;
+            if color < COLORS {
+                for &body in place.bodies.iter().filter(|&&b| b != 0) {
+                    self.used_colors[body as usize] |= 1 << color;
+                }
+                place.color = color as u32;
+            } else {
+                place.color = self.color_counts.len() as u32;
+                self.color_counts.push(0);
+            }
+            place.lane = self.color_counts[place.color as usize];
+            self.color_counts[place.color as usize] += 1;
+        }
+        let mut first = 0;
+        for count in &mut self.color_counts {
+            let blocks = count.div_ceil(LANES as u32);
+            *count = first;
+            first += blocks;
+        }
+        for place in &mut self.places {
+            let index = place.lane;
+            place.block = self.color_counts[place.color as usize] + index / LANES as u32;
+            place.lane = index % LANES as u32;
+        }
+        self.blocks.clear();
+        self.blocks.resize(first as usize, ContactBlock::EMPTY);
+        self.roots.clear();
+        self.roots.resize(first as usize, [[[0.0; LANES]; 6]; 2]);
+        self.counts.clear();
+        self.counts.resize(first as usize, [0.0; LANES]);
+    }
+
+    fn fill(&mut self, source: &Source<'_>) {
+        let solver = &source.options.solver;
+        self.scales.clear();
+        self.scales.resize(if solver.weight_amplification.enabled { self.blocks.len() } else { 1 }, ScaleLanes::ONE);
+        self.rows = 0;
+        for p in 0..self.places.len() {
+            let place = self.places[p];
+            let contact = &source.contacts[place.contact as usize];
+            let manifold = &contact.manifolds[place.manifold as usize];
+            let (block, lane) = (place.block as usize, place.lane as usize);
+            let friction = if solver.friction == FrictionModel::Off { 0.0 } else { contact.friction };
+            self.rows += manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 };
+            self.fill_manifold(block, lane, friction, manifold, source.warm_scale);
+            self.fill_bodies(block, lane, place.bodies);
+            if solver.weight_amplification.enabled {
+                self.amplify(block, lane, contact, source.bodies, solver);
+            }
+        }
+    }
+
+    fn fill_manifold(&mut self, block: usize, lane: usize, friction: f32, manifold: &Manifold, warm_scale: f32) {
+        self.counts[block][lane] = manifold.points.len() as f32;
+        let block = &mut self.blocks[block];
+        block.friction[lane] = friction;
+        set(&mut block.normal, lane, manifold.normal);
+        for (i, point) in manifold.points.iter().enumerate() {
+            let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
+            set(&mut p.angular_a, lane, point.arm_a);
+            set(&mut p.angular_b, lane, point.arm_b);
+            p.separation[lane] = point.separation;
+            p.lambda[lane] = point.lambda_normal * warm_scale;
+            if friction > 0.0 {
+                set(&mut disk.angular_a[0], lane, point.lambda_friction * warm_scale);
+            }
+        }
+    }
+
+    fn fill_bodies(&mut self, block: usize, lane: usize, bodies: [u32; 2]) {
+        let rows = &mut self.blocks[block];
+        (rows.body_a[lane], rows.body_b[lane]) = (bodies[0], bodies[1]);
+        for (side, &body) in bodies.iter().enumerate() {
+            let Some(mover) = (body as usize).checked_sub(1).map(|i| &self.movers[i]) else { continue };
+            let root = if side == 0 { &mut rows.root_a } else { &mut rows.root_b };
+            root[lane] = mover.inverse_root_mass;
+            for (lanes, value) in self.roots[block][side].iter_mut().zip(mover.inverse_root_inertia) {
+                lanes[lane] = value;
+            }
+        }
+    }
+
+    fn amplify(
+        &mut self,
+        block: usize,
+        lane: usize,
+        contact: &Contact,
+        bodies: &Arena<BodyState>,
+        options: &SolverOptions,
+    ) {
+        let height = |slot: u32| bodies.at(slot).height;
+        let scale =
+            weight_amplification::scale(&options.weight_amplification, height(contact.body_a), height(contact.body_b));
+        let lanes = &mut self.scales[block];
+        (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
+        (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
+    }
+}
+
+fn set(lanes: &mut [Lane; 3], lane: usize, v: Vec3) {
+    (lanes[0][lane], lanes[1][lane], lanes[2][lane]) = (v.x, v.y, v.z);
+}

@@ -1,0 +1,190 @@
+//! Eight values side by side, and vectors of them: what the kernels of the wide path are written in.
+//!
+//! Storage is always eight lanes wide; a machine with four computes each half in turn. A lane never looks at its
+//! neighbors and nothing is fused, so that every width gives the same bits.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x4, f32x8};
+
+/// Lanes of a block.
+pub const LANES: usize = 8;
+/// One number of each lane, as stored.
+pub type Lane = [f32; LANES];
+/// One vector of each lane, as stored.
+pub type Lane3 = [Lane; 3];
+
+/// Velocity or displacement of a body: linear x, y, z, 0, angular x, y, z, 0.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Record(pub [f32; 8]);
+
+/// A vector in each lane.
+#[derive(Clone, Copy)]
+pub struct V3<S: Simd> {
+    /// x of each lane.
+    pub x: f32x8<S>,
+    /// y of each lane.
+    pub y: f32x8<S>,
+    /// z of each lane.
+    pub z: f32x8<S>,
+}
+
+/// Reads eight numbers.
+#[inline(always)]
+pub fn load<S: Simd>(simd: S, lane: &Lane) -> f32x8<S> {
+    f32x8::from_slice(simd, lane)
+}
+
+/// Writes eight numbers.
+#[inline(always)]
+pub fn store<S: Simd>(value: f32x8<S>, lane: &mut Lane) {
+    value.store_slice(lane);
+}
+
+/// The same number in each lane.
+#[inline(always)]
+pub fn splat<S: Simd>(simd: S, value: f32) -> f32x8<S> {
+    f32x8::splat(simd, value)
+}
+
+/// `x` where it is positive, else 0; also for NaN.
+#[inline(always)]
+pub fn positive<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
+    let zero = splat(simd, 0.0);
+    x.simd_gt(zero).select(x, zero)
+}
+
+/// 1/x where x is positive, else 0.
+#[inline(always)]
+pub fn inverse<S: Simd>(simd: S, x: f32x8<S>) -> f32x8<S> {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let is_some = x.simd_gt(zero);
+    is_some.select(one / is_some.select(x, one), zero)
+}
+
+impl<S: Simd> V3<S> {
+    /// Reads eight vectors.
+    #[inline(always)]
+    pub fn load(simd: S, lanes: &Lane3) -> Self {
+        Self { x: load(simd, &lanes[0]), y: load(simd, &lanes[1]), z: load(simd, &lanes[2]) }
+    }
+
+    /// Writes eight vectors.
+    #[inline(always)]
+    pub fn store(self, lanes: &mut Lane3) {
+        store(self.x, &mut lanes[0]);
+        store(self.y, &mut lanes[1]);
+        store(self.z, &mut lanes[2]);
+    }
+
+    /// Scalar product.
+    #[inline(always)]
+    pub fn dot(self, o: Self) -> f32x8<S> {
+        self.x * o.x + self.y * o.y + self.z * o.z
+    }
+
+    /// Vector product.
+    #[inline(always)]
+    pub fn cross(self, o: Self) -> Self {
+        Self { x: self.y * o.z - o.y * self.z, y: self.z * o.x - o.z * self.x, z: self.x * o.y - o.x * self.y }
+    }
+
+    /// Times a number.
+    #[inline(always)]
+    pub fn times(self, s: f32x8<S>) -> Self {
+        Self { x: self.x * s, y: self.y * s, z: self.z * s }
+    }
+
+    /// Sum.
+    #[inline(always)]
+    pub fn plus(self, o: Self) -> Self {
+        Self { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+    }
+
+    /// Difference.
+    #[inline(always)]
+    pub fn minus(self, o: Self) -> Self {
+        Self { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+    }
+}
+
+/// Columns of four rows of four.
+#[inline(always)]
+fn transposed<S: Simd>(a: f32x4<S>, b: f32x4<S>, c: f32x4<S>, d: f32x4<S>) -> [f32x4<S>; 4] {
+    let (t0, t1) = (a.zip_low(c), b.zip_low(d));
+    let (t2, t3) = (a.zip_high(c), b.zip_high(d));
+    [t0.zip_low(t1), t0.zip_high(t1), t2.zip_low(t3), t2.zip_high(t3)]
+}
+
+#[inline(always)]
+fn half<S: Simd, const ANGULAR: bool>(
+    simd: S,
+    records: &[Record],
+    bodies: &[u32; LANES],
+    first: usize,
+) -> [f32x4<S>; 4] {
+    let at = if ANGULAR { 4 } else { 0 };
+    let row = |i: usize| f32x4::from_slice(simd, &records[bodies[first + i] as usize].0[at..at + 4]);
+    transposed(row(0), row(1), row(2), row(3))
+}
+
+/// Linear and angular parts of the records of eight bodies.
+#[inline(always)]
+pub fn gather<S: Simd>(simd: S, records: &[Record], bodies: &[u32; LANES]) -> (V3<S>, V3<S>) {
+    let join = |low: [f32x4<S>; 4], high: [f32x4<S>; 4]| V3 {
+        x: simd.combine_f32x4(low[0], high[0]),
+        y: simd.combine_f32x4(low[1], high[1]),
+        z: simd.combine_f32x4(low[2], high[2]),
+    };
+    (
+        join(half::<S, false>(simd, records, bodies, 0), half::<S, false>(simd, records, bodies, 4)),
+        join(half::<S, true>(simd, records, bodies, 0), half::<S, true>(simd, records, bodies, 4)),
+    )
+}
+
+/// Puts the records of eight bodies back; body 0, the ground, stays as it is.
+#[inline(always)]
+pub fn scatter<S: Simd>(simd: S, records: &mut [Record], bodies: &[u32; LANES], linear: V3<S>, angular: V3<S>) {
+    let zero = f32x4::splat(simd, 0.0);
+    let halves = |v: V3<S>| {
+        let ((x0, x1), (y0, y1), (z0, z1)) = (simd.split_f32x8(v.x), simd.split_f32x8(v.y), simd.split_f32x8(v.z));
+        [transposed(x0, y0, z0, zero), transposed(x1, y1, z1, zero)]
+    };
+    let (linear, angular) = (halves(linear), halves(angular));
+    for (h, (linear, angular)) in linear.iter().zip(&angular).enumerate() {
+        for i in 0..4 {
+            let body = bodies[4 * h + i];
+            if body != 0 {
+                let record = &mut records[body as usize].0;
+                linear[i].store_slice(&mut record[..4]);
+                angular[i].store_slice(&mut record[4..]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fearless_simd::{Level, dispatch};
+
+    #[test]
+    fn what_is_gathered_is_scattered() {
+        let mut records: Vec<Record> =
+            (0..9).map(|b| Record([1.0, 2.0, 3.0, 0.0, 4.0, 5.0, 6.0, 0.0].map(|x: f32| x * b as f32))).collect();
+        let before = records.clone();
+        let bodies = [3, 1, 2, 0, 8, 6, 7, 5];
+        dispatch!(Level::new(), simd => {
+            let (linear, angular) = gather(simd, &records, &bodies);
+            let mut xs = [0.0; 8];
+            store(angular.y, &mut xs);
+            assert_eq!(xs, bodies.map(|b| 5.0 * b as f32));
+            scatter(simd, &mut records, &bodies, linear.times(splat(simd, 2.0)), angular);
+        });
+        for (b, (new, old)) in records.iter().zip(&before).enumerate() {
+            let scale = if bodies.contains(&(b as u32)) { 2.0 } else { 1.0 };
+            assert_eq!(new.0[..3], [0, 1, 2].map(|k| scale * old.0[k]));
+            assert_eq!(new.0[4..], old.0[4..]);
+        }
+    }
+}

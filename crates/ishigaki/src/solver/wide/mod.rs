@@ -1,0 +1,79 @@
+//! The wide path: islands of contacts, eight manifolds at a time. DESIGN, "Fast path".
+//!
+//! The same equations and visits as `reference.rs` and `substeps.rs`, in another layout and order: bodies and rows of
+//! some islands are gathered into a batch that stays in the cache over all substeps, its manifolds are colored, and
+//! eight of a color are visited side by side. Bits depend neither on the width of the machine's lanes nor on threads.
+//! Option: `solver.wide`; held to the reference by `tests/wide.rs`.
+
+pub mod batch;
+pub mod contact_block;
+mod correction;
+pub mod lanes;
+pub mod mover;
+mod seed;
+mod solve;
+mod split;
+
+use crate::solver::plan::Plan;
+use batch::Batch;
+use fearless_simd::Level;
+
+/// All batches of a step, and arrays that are used again.
+#[derive(Clone, Debug)]
+pub struct Wide {
+    /// What the machine can do.
+    pub level: Level,
+    /// The first `used` are of this step.
+    pub batches: Vec<Batch>,
+    /// Batches of this step.
+    pub used: usize,
+    /// Rows of all batches.
+    pub rows: usize,
+    /// Of each contact and manifold: its place among the blocks, where the reference solves them in that order.
+    pub order: Vec<(u32, u32, u32)>,
+    /// Of each body slot: its batch, or `u32::MAX`.
+    pub batch_of: Vec<u32>,
+    index_of: Vec<u32>,
+    parents: Vec<u32>,
+    unfit: Vec<bool>,
+    sizes: Vec<u32>,
+    batch_of_island: Vec<u32>,
+    local_island: Vec<u32>,
+    /// Rows of islands whose loads are corrected, as the reference has them.
+    aid: Option<Box<Plan>>,
+}
+
+impl Default for Wide {
+    fn default() -> Self {
+        Self {
+            level: Level::new(),
+            batches: Vec::new(),
+            used: 0,
+            rows: 0,
+            order: Vec::new(),
+            batch_of: Vec::new(),
+            index_of: Vec::new(),
+            parents: Vec::new(),
+            unfit: Vec::new(),
+            sizes: Vec::new(),
+            batch_of_island: Vec::new(),
+            local_island: Vec::new(),
+            aid: None,
+        }
+    }
+}
+
+impl Wide {
+    fn start_batch(&mut self) {
+        if self.used == self.batches.len() {
+            self.batches.push(Batch::default());
+        }
+        self.batches[self.used].clear();
+        self.used += 1;
+    }
+
+    /// Whether a body is solved here.
+    pub fn takes(&self, slot: u32) -> bool {
+        self.batch_of.get(slot as usize).is_some_and(|&b| b != u32::MAX)
+    }
+}

@@ -1,0 +1,143 @@
+//! A moving body in a batch: its state over the substeps, and its mass-weighted velocity.
+//!
+//! The state is (v, L, pose), as in the reference; solver impulses change L by exactly I^½Δu'.
+
+use crate::body::BodyState;
+use crate::math::{Mat3, Vec3, rotated_diagonal};
+use crate::motion::{self, Spin, forces};
+use crate::options::MotionOptions;
+use crate::solver::wide::lanes::Record;
+
+/// One body over the substeps of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Mover {
+    /// Its slot in the world.
+    pub slot: u32,
+    /// 1/kg.
+    pub inverse_mass: f32,
+    /// m^½.
+    root_mass: f32,
+    /// m^−½.
+    pub inverse_root_mass: f32,
+    /// I^½ in world at the start of the step.
+    root_inertia: Mat3,
+    /// I^−½, symmetric: xx, xy, xz, yy, yz, zz.
+    pub inverse_root_inertia: [f32; 6],
+    spin: Spin,
+    velocity: Vec3,
+    center: Vec3,
+    force: Vec3,
+    torque: Vec3,
+    acceleration: Vec3,
+    damping: [f32; 2],
+}
+
+/// What moves all bodies alike.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionLimits {
+    /// m/s.
+    pub speed: f32,
+    /// rad/s.
+    pub angular_speed: f32,
+}
+
+impl Mover {
+    /// An active dynamic body without locked axes.
+    pub fn new(slot: u32, body: &BodyState, gravity: Vec3) -> Self {
+        let spin = body.spin();
+        let axes = spin.world_from_principal();
+        let root = |v: Vec3| Vec3::new(v.x.sqrt(), v.y.sqrt(), v.z.sqrt());
+        let inverse_root = rotated_diagonal(axes, root(spin.inverse_principal_inertia));
+        let root_inertia = rotated_diagonal(axes, root(spin.principal_inertia));
+        let inverse_mass = body.inverse_mass;
+        let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { 0.0 };
+        let [x, y, z] = [inverse_root.x_axis, inverse_root.y_axis, inverse_root.z_axis];
+        Self {
+            slot,
+            inverse_mass,
+            root_mass: mass.sqrt(),
+            inverse_root_mass: inverse_mass.sqrt(),
+            root_inertia,
+            inverse_root_inertia: [x.x, y.x, z.x, y.y, z.y, z.z],
+            spin,
+            velocity: body.velocity,
+            center: body.center,
+            force: body.force,
+            torque: body.torque,
+            acceleration: gravity * body.gravity_scale,
+            damping: [body.linear_damping, body.angular_damping],
+        }
+    }
+
+    /// u' = (m^½ v, I^½ ω).
+    pub fn record(&self) -> Record {
+        let v = self.root_mass * self.velocity;
+        let w = self.root_inertia * self.spin.angular_velocity;
+        Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
+    }
+
+    /// v and ω of a mass-weighted velocity.
+    pub fn velocities(&self, u: &Record) -> (Vec3, Vec3) {
+        let [vx, vy, vz, _, wx, wy, wz, _] = u.0;
+        let [xx, xy, xz, yy, yz, zz] = self.inverse_root_inertia;
+        let w = Vec3::new(xx * wx + xy * wy + xz * wz, xy * wx + yy * wy + yz * wz, xz * wx + yz * wy + zz * wz);
+        (self.inverse_root_mass * Vec3::new(vx, vy, vz), w)
+    }
+
+    /// The mass-weighted velocity of v and ω.
+    pub fn weighted(&self, velocity: Vec3, angular_velocity: Vec3) -> Record {
+        let (v, w) = (self.root_mass * velocity, self.root_inertia * angular_velocity);
+        Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
+    }
+
+    /// v += h(F/m + g), L += hτ, damping. Gives u'.
+    pub fn begin(&mut self, h: f32) -> Record {
+        let inverse = Vec3::splat(self.inverse_mass);
+        self.velocity = forces::accelerated(self.velocity, self.force, inverse, self.acceleration, h);
+        self.velocity *= forces::damping_factor(self.damping[0], h);
+        if self.torque != Vec3::ZERO {
+            forces::apply_angular_impulse(&mut self.spin, h * self.torque, Vec3::ONE);
+        }
+        if self.damping[1] != 0.0 {
+            forces::damp_spin(&mut self.spin, forces::damping_factor(self.damping[1], h));
+        }
+        self.record()
+    }
+
+    fn turn_by(&mut self, change: Vec3) {
+        if change != Vec3::ZERO {
+            self.spin.angular_momentum += change;
+            self.spin.angular_velocity = self.spin.inverse_inertia_times(self.spin.angular_momentum);
+        }
+    }
+
+    /// Takes over what sweeps made of u'; gives the change.
+    pub fn take(&mut self, before: &Record, after: &Record) -> Record {
+        let change: [f32; 8] = std::array::from_fn(|k| after.0[k] - before.0[k]);
+        let [vx, vy, vz, _, wx, wy, wz, _] = change;
+        self.velocity += self.inverse_root_mass * Vec3::new(vx, vy, vz);
+        self.turn_by(self.root_inertia * Vec3::new(wx, wy, wz));
+        Record(change)
+    }
+
+    /// x += h v, R by the scheme of the rotation; adds the way to the mass-weighted displacement.
+    pub fn advance(&mut self, motion: &MotionOptions, limits: MotionLimits, h: f32, displacement: &mut Record) {
+        self.velocity = forces::limited(self.velocity, limits.speed);
+        forces::limit_spin(&mut self.spin, limits.angular_speed);
+        let way = self.weighted(h * self.velocity, h * self.spin.angular_velocity);
+        for (sum, part) in displacement.0.iter_mut().zip(way.0) {
+            *sum += part;
+        }
+        motion::advance(motion.rotation, &mut self.spin, false, h);
+        self.center += h * self.velocity;
+    }
+
+    /// Into the world.
+    pub fn store(&self, body: &mut BodyState) {
+        body.velocity = self.velocity;
+        body.center = self.center;
+        body.rotation = self.spin.rotation;
+        body.angular_momentum = self.spin.angular_momentum;
+        body.angular_velocity = self.spin.angular_velocity;
+    }
+}

@@ -1,0 +1,303 @@
+//! All substeps of a batch: forces, sweeps with recovery, motion, relax sweeps; then back into the world.
+//!
+//! The order of things is that of `substeps.rs`. A batch in which all bodies rest (`rest.aggressive_sleep`) takes the
+//! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
+
+use crate::math::Vec3;
+use crate::solver::level_correction;
+use crate::solver::manifold_block;
+use crate::solver::penetration_recovery::Recovery;
+use crate::solver::plan::Plan;
+use crate::solver::slop;
+use crate::solver::wide::Wide;
+use crate::solver::wide::batch::{Batch, IslandState};
+use crate::solver::wide::contact_block::{self as kernel, POINTS, SweepPass};
+use crate::solver::wide::lanes::{LANES, Lane, Record};
+use crate::solver::wide::mover::MotionLimits;
+use crate::solver::work;
+use crate::world::World;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+impl World {
+    /// Solves all batches.
+    pub(crate) fn solve_batches(&mut self, wide: &mut Wide, dt: f32) {
+        let mut aid = wide.aid.take().unwrap_or_default();
+        let mut batches = std::mem::take(&mut wide.batches);
+        for batch in &mut batches[..wide.used] {
+            self.solve_batch(wide.level, batch, &mut aid, dt);
+        }
+        self.report.work += std::mem::take(&mut aid.level_correction.work);
+        wide.batches = batches;
+        wide.aid = Some(aid);
+    }
+
+    fn solve_batch(&mut self, level: Level, batch: &mut Batch, aid: &mut Plan, dt: f32) {
+        let solver = &self.options.solver;
+        let (substeps, relax_sweeps) = (batch.substeps, solver.relax_sweeps);
+        // One substep has the sweeps of all.
+        let sweeps = solver.sweeps * solver.substeps / substeps;
+        let h = dt / substeps as f32;
+        let scale = self.options.length_scale;
+        let pass = SweepPass {
+            recovery: Recovery::new(&solver.penetration_recovery, slop::depth(&solver.slop, scale), scale),
+            h,
+            passes: manifold_block::passes(&solver.manifold_block).unwrap_or(1),
+            warm: solver.warm_start.enabled,
+        };
+        let mut order = Order { reversed: sweeps.is_multiple_of(2) };
+        let is_free = batch.blocks.is_empty();
+        aid.manifolds.clear();
+        for substep in 0..substeps {
+            batch.begin(h);
+            if !is_free {
+                if substep == 0 {
+                    batch.warm_start(level);
+                }
+                batch.measure::<false>(level, &pass);
+                batch.measure_unrest(level);
+                self.correct_batch(batch, aid, &pass);
+                for sweep in 0..sweeps {
+                    order.before(sweep);
+                    batch.sweep(level, &pass, order.reversed);
+                }
+                if substep + 1 == substeps && self.options.report.residual {
+                    self.report.residual = self.report.residual.max(batch.residual(level));
+                }
+            }
+            self.move_batch(batch, h);
+            if !is_free {
+                batch.measure::<true>(level, &pass);
+                for sweep in 0..relax_sweeps {
+                    order.before(sweeps + sweep);
+                    batch.sweep(level, &pass, order.reversed);
+                }
+            }
+            batch.end(level);
+            if !pass.warm {
+                batch.forget();
+            }
+            self.report.work += u64::from(sweeps + relax_sweeps) * batch.sweep_work(u64::from(pass.passes));
+        }
+        self.store_batch(level, batch);
+    }
+
+    /// Corrects the loads of stacks that are not at rest.
+    fn correct_batch(&mut self, batch: &mut Batch, aid: &mut Plan, pass: &SweepPass) {
+        let g = self.options.gravity.length();
+        let mut wanted = std::mem::take(&mut aid.chosen);
+        wanted.clear();
+        for island in &batch.islands {
+            let is_calm = island.unrest <= level_correction::CALM * island.load * g * pass.h;
+            let pauses = island.first_body == u32::MAX
+                || self.bodies.at(island.first_body).no_correction_until > self.step_count;
+            wanted.push(!is_calm && !pauses && island.levels > 1);
+        }
+        if self.corrects_levels() && wanted.contains(&true) {
+            self.correct_loads(batch, aid, &wanted, pass);
+            if batch.substeps < self.options.solver.substeps {
+                // At rest errors grow slowly: sweeps hold them for a while.
+                let is_wide = |i: &IslandState| i.manifolds > MANY && i.manifolds > WIDTH * i.levels;
+                for (island, _) in batch.islands.iter().zip(&wanted).filter(|(i, w)| **w && is_wide(i)) {
+                    let body = self.bodies.at_mut(island.first_body);
+                    body.no_correction_until = body.no_correction_until.max(self.step_count + REST_PAUSE);
+                }
+            }
+        }
+        aid.chosen = wanted;
+    }
+
+    fn move_batch(&self, batch: &mut Batch, h: f32) {
+        let root = self.options.length_scale.sqrt();
+        let motion = &self.options.motion;
+        let limits = MotionLimits { speed: motion.max_speed * root, angular_speed: motion.max_angular_speed / root };
+        for (i, mover) in batch.movers.iter_mut().enumerate() {
+            batch.carried[i + 1] = mover.take(&batch.before[i + 1], &batch.velocities[i + 1]);
+            mover.advance(motion, limits, h, &mut batch.displacements[i + 1]);
+            batch.velocities[i + 1] = mover.record();
+            batch.before[i + 1] = batch.velocities[i + 1];
+        }
+    }
+
+    fn store_batch(&mut self, level: Level, batch: &mut Batch) {
+        batch.advance(level);
+        // Stored impulses are those of a substep as the options have it.
+        let share = batch.substeps as f32 / self.options.solver.substeps as f32;
+        for mover in &batch.movers {
+            mover.store(self.bodies.at_mut(mover.slot));
+        }
+        for place in &batch.places {
+            let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
+            let manifold = &mut self.contacts[place.contact as usize].manifolds[place.manifold as usize];
+            let (t1, t2) = crate::math::tangents(manifold.normal);
+            for (i, point) in manifold.points.iter_mut().enumerate() {
+                let (p, disk) = (&block.points[i], &block.disks[i]);
+                point.lambda_normal = share * p.lambda[lane];
+                point.lambda_friction = share * (t1 * disk.lambda[0][lane] + t2 * disk.lambda[1][lane]);
+                point.impulse = p.total[lane];
+                point.separation = p.separation[lane];
+            }
+            (manifold.lambda_torsion, manifold.lambda_rolling) = (0.0, Vec3::ZERO);
+        }
+    }
+}
+
+/// Steps between corrections of an island at rest that is dear to correct: more than `MANY` manifolds, and more than
+/// `WIDTH` on a level.
+const REST_PAUSE: u64 = 4;
+const MANY: u32 = 200;
+const WIDTH: u32 = 4;
+
+/// Forwards and backwards in turn, as `permutation.rs` has it.
+struct Order {
+    reversed: bool,
+}
+
+impl Order {
+    fn before(&mut self, sweep: u32) {
+        if sweep > 0 {
+            self.reversed = !self.reversed;
+        }
+    }
+}
+
+impl Batch {
+    fn begin(&mut self, h: f32) {
+        for (i, mover) in self.movers.iter_mut().enumerate() {
+            let free = mover.begin(h);
+            self.before[i + 1] = free;
+            self.velocities[i + 1] = sum(&free, &self.carried[i + 1]);
+        }
+    }
+
+    fn end(&mut self, level: Level) {
+        for (i, mover) in self.movers.iter_mut().enumerate() {
+            let change = mover.take(&self.before[i + 1], &self.velocities[i + 1]);
+            self.carried[i + 1] = sum(&self.carried[i + 1], &change);
+        }
+        let blocks = &mut self.blocks;
+        dispatch!(level, simd => blocks.iter_mut().for_each(|block| kernel::add_up(simd, block)));
+    }
+
+    /// Without warm start each substep begins from nothing.
+    fn forget(&mut self) {
+        self.carried.fill(Record::default());
+        for block in &mut self.blocks {
+            block.points.iter_mut().for_each(|p| p.lambda = [0.0; LANES]);
+            block.disks.iter_mut().for_each(|d| d.lambda = [[0.0; LANES]; 2]);
+        }
+    }
+
+    fn warm_start(&mut self, level: Level) {
+        let (blocks, scales, velocities) = (&self.blocks, &self.scales, &mut self.velocities);
+        dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
+    }
+
+    fn measure<const RELAX: bool>(&mut self, level: Level, pass: &SweepPass) {
+        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
+        dispatch!(level, simd => measure_all::<_, RELAX>(simd, blocks, displacements, pass));
+    }
+
+    fn sweep(&mut self, level: Level, pass: &SweepPass, reversed: bool) {
+        let (blocks, scales, velocities) = (&mut self.blocks[..], &self.scales[..], &mut self.velocities[..]);
+        if reversed {
+            dispatch!(level, simd => sweep::<_, true>(simd, blocks, scales, velocities, pass));
+        } else {
+            dispatch!(level, simd => sweep::<_, false>(simd, blocks, scales, velocities, pass));
+        }
+    }
+
+    fn residual(&self, level: Level) -> f32 {
+        let (blocks, velocities) = (&self.blocks, &self.velocities);
+        dispatch!(level, simd => residual_of(simd, blocks, velocities))
+    }
+
+    fn advance(&mut self, level: Level) {
+        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
+        dispatch!(level, simd => blocks.iter_mut().for_each(|block| kernel::advance(simd, block, displacements)));
+    }
+
+    /// Loads and unrest of the islands.
+    fn measure_unrest(&mut self, level: Level) {
+        let (blocks, velocities, unrest) = (&self.blocks, &self.velocities, &mut self.unrest);
+        unrest.clear();
+        dispatch!(level, simd => energies(simd, blocks, velocities, unrest));
+        for island in &mut self.islands {
+            (island.load, island.unrest) = (0.0, 0.0);
+        }
+        for place in &self.places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let island = &mut self.islands[place.island as usize];
+            island.unrest += self.unrest[place.block as usize][lane];
+            island.load += (0..POINTS).map(|i| block.points[i].lambda[lane]).sum::<f32>();
+        }
+    }
+
+    /// Multiply-adds of a sweep.
+    fn sweep_work(&self, passes: u64) -> u64 {
+        self.places.len() as u64 * work::wide_visit(POINTS as u64, passes)
+    }
+}
+
+fn sum(a: &Record, b: &Record) -> Record {
+    Record(std::array::from_fn(|k| a.0[k] + b.0[k]))
+}
+
+#[inline(always)]
+fn warm_start_all<S: Simd>(
+    simd: S,
+    blocks: &[kernel::ContactBlock],
+    scales: &[kernel::ScaleLanes],
+    velocities: &mut [Record],
+) {
+    for (k, block) in blocks.iter().enumerate() {
+        kernel::warm_start(simd, block, &scales[k.min(scales.len() - 1)], velocities);
+    }
+}
+
+#[inline(always)]
+fn measure_all<S: Simd, const RELAX: bool>(
+    simd: S,
+    blocks: &mut [kernel::ContactBlock],
+    displacements: &[Record],
+    pass: &SweepPass,
+) {
+    for block in blocks {
+        kernel::measure::<S, RELAX>(simd, block, displacements, pass);
+    }
+}
+
+#[inline(always)]
+fn sweep<S: Simd, const REVERSED: bool>(
+    simd: S,
+    blocks: &mut [kernel::ContactBlock],
+    scales: &[kernel::ScaleLanes],
+    velocities: &mut [Record],
+    pass: &SweepPass,
+) {
+    let (n, last) = (blocks.len(), scales.len() - 1);
+    for i in 0..n {
+        let k = if REVERSED { n - 1 - i } else { i };
+        kernel::visit(simd, &mut blocks[k], &scales[k.min(last)], velocities, pass);
+    }
+}
+
+#[inline(always)]
+fn residual_of<S: Simd>(simd: S, blocks: &[kernel::ContactBlock], velocities: &[Record]) -> f32 {
+    let mut greatest = 0.0_f32;
+    for block in blocks {
+        let mut lanes = [0.0; LANES];
+        kernel::inspect(simd, block, velocities).residual.store_slice(&mut lanes);
+        greatest = lanes.into_iter().fold(greatest, f32::max);
+    }
+    greatest
+}
+
+#[inline(always)]
+fn energies<S: Simd>(simd: S, blocks: &[kernel::ContactBlock], velocities: &[Record], to: &mut Vec<Lane>) {
+    for block in blocks {
+        let mut lanes = [0.0; LANES];
+        kernel::inspect(simd, block, velocities).energy.store_slice(&mut lanes);
+        to.push(lanes);
+    }
+}

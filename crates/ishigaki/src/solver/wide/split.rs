@@ -1,0 +1,218 @@
+//! Which islands the wide path takes, and their batches. What it cannot do yet stays with the reference.
+//!
+//! Islands that share a contact, even one too far apart to close in this step, are solved together. An island goes to
+//! the reference as a whole if any of its bodies has joints or locked axes, or any of its contacts bounces, rolls,
+//! slides like a conveyor or touches moving ground.
+
+use crate::body::NO_HEIGHT;
+use crate::collision::manifold::Contact;
+use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, WorldOptions};
+use crate::solver::wide::Wide;
+use crate::solver::wide::batch::{IslandState, Place, Source};
+use crate::solver::wide::lanes::LANES;
+use crate::world::World;
+use fearless_simd::Level;
+
+/// Manifolds of a batch, about: what fits the second cache.
+const BATCH: usize = 700;
+const NONE: u32 = u32::MAX;
+
+/// Whether the options ask for nothing that the reference alone can do.
+fn options_fit(options: &WorldOptions) -> bool {
+    let solver = &options.solver;
+    solver.wide.enabled
+        && solver.manifold_block.enabled
+        && solver.permutation == Permutation::Alternating
+        && solver.friction != FrictionModel::Box
+        && !solver.shock_propagation.enabled
+        && options.motion.drift == DriftScheme::Symplectic
+        && options.motion.rotation != RotationScheme::ExplicitEuler
+        && !options.report.residual_by_sweep
+}
+
+impl World {
+    /// Decides which islands are solved wide and builds their batches.
+    pub(crate) fn build_batches(&mut self, wide: &mut Wide, dt: f32) {
+        wide.used = 0;
+        wide.rows = 0;
+        wide.order.clear();
+        wide.level = if self.options.solver.wide.narrow { Level::baseline() } else { Level::new() };
+        wide.batch_of.clear();
+        wide.batch_of.resize(self.bodies.slot_count(), NONE);
+        if !options_fit(&self.options) {
+            return;
+        }
+        self.group_islands(wide);
+        self.assign_batches(wide);
+        self.fill_batches(wide, dt);
+        if self.options.solver.wide.by_reference {
+            self.hand_over(wide, dt);
+        }
+    }
+
+    /// First impulses and the order of blocks for the reference, which then solves all.
+    fn hand_over(&mut self, wide: &mut Wide, dt: f32) {
+        let scale = self.warm_start_scale(dt);
+        let mut first = 0;
+        for batch in &wide.batches[..wide.used] {
+            for place in &batch.places {
+                wide.order.push((place.contact, place.manifold, first + LANES as u32 * place.block + place.lane));
+                let manifold = &mut self.contacts[place.contact as usize].manifolds[place.manifold as usize];
+                let block = &batch.blocks[place.block as usize];
+                for (point, lanes) in manifold.points.iter_mut().zip(&block.points) {
+                    if scale > 0.0 && point.lambda_normal == 0.0 {
+                        point.lambda_normal = lanes.lambda[place.lane as usize] / scale;
+                    }
+                }
+            }
+            first += LANES as u32 * batch.blocks.len() as u32;
+        }
+        wide.order.sort_unstable();
+        wide.batch_of.fill(NONE);
+        (wide.used, wide.rows) = (0, 0);
+    }
+
+    /// Unites islands over contacts and marks those that the wide path cannot solve.
+    fn group_islands(&self, wide: &mut Wide) {
+        let islands = self.report.islands;
+        wide.parents.clear();
+        wide.parents.extend(0..islands as u32);
+        wide.unfit.clear();
+        wide.unfit.resize(islands, false);
+        wide.sizes.clear();
+        wide.sizes.resize(islands, 0);
+        for (_, body) in self.bodies.iter().filter(|(_, b)| b.is_active()) {
+            if body.locked_translation.contains(&true) || body.has_locked_rotation() || body.inverse_mass <= 0.0 {
+                wide.unfit[body.island as usize] = true;
+            }
+        }
+        let bounces = self.options.solver.restitution.enabled;
+        for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
+            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
+            let island = match (a.is_active(), b.is_active()) {
+                (true, true) => unite(&mut wide.parents, a.island, b.island),
+                (true, false) => a.island,
+                (false, true) => b.island,
+                (false, false) => continue,
+            };
+            wide.sizes[island as usize] += contact.manifolds.len() as u32;
+            let moving_ground = a.is_moving_kinematic() || b.is_moving_kinematic();
+            if moving_ground || asks_too_much(contact, bounces) {
+                wide.unfit[island as usize] = true;
+            }
+        }
+        for (_, joint) in self.joints.iter() {
+            for body in [joint.definition.body_a.index, joint.definition.body_b.index] {
+                let body = self.bodies.at(body);
+                if body.is_active() {
+                    wide.unfit[body.island as usize] = true;
+                }
+            }
+        }
+        for island in 0..islands as u32 {
+            let root = root(&mut wide.parents, island);
+            if root != island {
+                wide.unfit[root as usize] |= wide.unfit[island as usize];
+                wide.sizes[root as usize] += wide.sizes[island as usize];
+            }
+        }
+    }
+
+    /// Groups in the order of their first islands, a batch as soon as there is enough.
+    fn assign_batches(&mut self, wide: &mut Wide) {
+        wide.batch_of_island.clear();
+        wide.batch_of_island.resize(wide.parents.len(), NONE);
+        let mut size = usize::MAX;
+        for island in 0..wide.parents.len() {
+            let root = root(&mut wide.parents, island as u32) as usize;
+            if wide.unfit[root] {
+                continue;
+            }
+            if root == island {
+                if size >= BATCH {
+                    wide.start_batch();
+                    size = 0;
+                }
+                size += wide.sizes[root] as usize + 1;
+                wide.batch_of_island[root] = wide.used as u32 - 1;
+            } else {
+                wide.batch_of_island[island] = wide.batch_of_island[root];
+            }
+        }
+        wide.index_of.clear();
+        wide.index_of.resize(self.bodies.slot_count(), 0);
+        wide.local_island.clear();
+        wide.local_island.resize(wide.parents.len(), NONE);
+        let gravity = self.options.gravity;
+        for (slot, body) in self.bodies.iter().filter(|(_, b)| b.is_active()) {
+            let number = wide.batch_of_island[body.island as usize];
+            if number == NONE {
+                continue;
+            }
+            let batch = &mut wide.batches[number as usize];
+            wide.batch_of[slot as usize] = number;
+            wide.index_of[slot as usize] = batch.add_mover(slot, body, gravity);
+            let local = &mut wide.local_island[body.island as usize];
+            if *local == NONE {
+                *local = batch.islands.len() as u32;
+                batch.islands.push(IslandState { number: body.island, first_body: NONE, ..IslandState::default() });
+            }
+            let island = &mut batch.islands[*local as usize];
+            if body.height != NO_HEIGHT {
+                island.levels = island.levels.max(body.height);
+            }
+        }
+    }
+
+    fn fill_batches(&mut self, wide: &mut Wide, dt: f32) {
+        for (index, contact) in self.contacts.iter().enumerate() {
+            if contact.sensor || contact.manifolds.is_empty() {
+                continue;
+            }
+            let slots = [contact.body_a, contact.body_b];
+            let Some(&slot) = slots.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
+            let batch = &mut wide.batches[wide.batch_of[slot as usize] as usize];
+            let island = wide.local_island[self.bodies.at(slot).island as usize];
+            let state = &mut batch.islands[island as usize];
+            state.first_body = state.first_body.min(slot);
+            state.manifolds += contact.manifolds.len() as u32;
+            for manifold in 0..contact.manifolds.len() {
+                let bodies = slots.map(|s| wide.index_of[s as usize]);
+                batch.places.push(Place::new(index as u32, manifold as u32, bodies, island));
+            }
+        }
+        let source = Source {
+            contacts: &self.contacts,
+            bodies: &self.bodies,
+            options: &self.options,
+            dt,
+            warm_scale: self.warm_start_scale(dt),
+        };
+        for batch in &mut wide.batches[..wide.used] {
+            batch.build(wide.level, &source);
+            wide.rows += batch.rows as usize;
+        }
+    }
+}
+
+fn asks_too_much(contact: &Contact, bounces: bool) -> bool {
+    contact.rolling_friction > 0.0
+        || contact.torsional_friction > 0.0
+        || (bounces && contact.restitution > 0.0)
+        || contact.surface_velocity != crate::math::Vec3::ZERO
+}
+
+fn root(parents: &mut [u32], mut i: u32) -> u32 {
+    while parents[i as usize] != i {
+        parents[i as usize] = parents[parents[i as usize] as usize];
+        i = parents[i as usize];
+    }
+    i
+}
+
+/// The smaller root becomes the parent.
+fn unite(parents: &mut [u32], a: u32, b: u32) -> u32 {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b) as usize] = a.min(b);
+    a.min(b)
+}
