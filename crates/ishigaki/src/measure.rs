@@ -11,7 +11,7 @@ impl World {
     pub(crate) fn complete_report(&mut self, plan: &Plan) {
         let mut report = std::mem::take(&mut self.report);
         report.bodies = self.bodies.len();
-        report.pairs = self.contacts.len();
+        report.pairs = self.pairs.len();
         report.rows = plan.rows.len();
         for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
             report.contacts += 1;
