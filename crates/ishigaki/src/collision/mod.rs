@@ -1,6 +1,7 @@
 //! From poses to contact points: broad phase, manifolds, semantic ids.
 
 mod box_box;
+mod box_clip;
 pub mod broad_phase;
 mod clip;
 mod continuous;

@@ -19,7 +19,7 @@ const LEAD: f32 = 1.02;
 pub(crate) fn push_manifold(
     normal: Vec3,
     part: (u32, u32),
-    mut candidates: Candidates,
+    candidates: &mut Candidates,
     tolerance: f32,
     out: &mut LocalManifolds,
 ) {
@@ -28,17 +28,29 @@ pub(crate) fn push_manifold(
     // Of equal names the deeper stays.
     // The order does not tell A from B, so that exchanging them changes no choice.
     let name = |p: &LocalPoint| (p.id.a.min(p.id.b), p.id.a.max(p.id.b), p.id);
-    candidates.sort_by(|p, q| name(p).cmp(&name(q)).then(p.separation.total_cmp(&q.separation)));
-    candidates.dedup_by(|p, q| p.id == q.id);
+    if candidates.len() > 1 {
+        candidates.sort_by(|p, q| name(p).cmp(&name(q)).then(p.separation.total_cmp(&q.separation)));
+        candidates.dedup_by(|p, q| p.id == q.id);
+    }
     if candidates.is_empty() || !normal.is_finite() {
         return;
     }
     let points = if candidates.len() <= MAX_POINTS {
         candidates.iter().copied().collect()
     } else {
-        spread(normal, &candidates, tolerance)
+        spread(normal, candidates, tolerance)
     };
     out.push(LocalManifold { normal, points, part });
+}
+
+/// Appends the manifold of a single point.
+pub(crate) fn push_point(normal: Vec3, part: (u32, u32), point: LocalPoint, out: &mut LocalManifolds) {
+    let finite = [normal, point.on_a, point.on_b].iter().all(|v| v.is_finite()) && point.separation.is_finite();
+    if finite {
+        let mut points = ArrayVec::new();
+        points.push(point);
+        out.push(LocalManifold { normal, points, part });
+    }
 }
 
 fn spread(normal: Vec3, candidates: &[LocalPoint], tolerance: f32) -> ArrayVec<LocalPoint, MAX_POINTS> {

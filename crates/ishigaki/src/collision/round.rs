@@ -10,10 +10,11 @@ use crate::collision::feature_id::{Feature, FeatureId};
 use crate::collision::manifold::LocalPoint;
 use crate::collision::narrow_phase::LocalManifolds;
 use crate::collision::polyhedron::{Corner, Polygon, Polyhedron, box_edge, box_face, box_normal};
-use crate::collision::reduce::push_manifold;
+use crate::collision::reduce::{push_manifold, push_point};
 use crate::collision::sat::Tolerance;
 use crate::math::{Pose, Vec3, tangents};
-use smallvec::smallvec;
+use crate::shape::hull::Face;
+use smallvec::{SmallVec, smallvec};
 
 /// Sine of the angle below which a capsule lies along an edge or another capsule.
 const ALONG: f32 = 0.03;
@@ -88,8 +89,7 @@ pub(crate) fn push_ball_of_part(
     }
     let on_b = center - nearest.normal * radius;
     let id = FeatureId::new(nearest.feature, Feature::vertex(0));
-    let points = Candidates::from_slice(&[LocalPoint { on_a: nearest.point, on_b, separation, id }]);
-    push_manifold(-nearest.normal, part, points, 0.0, out);
+    push_point(-nearest.normal, part, LocalPoint { on_a: nearest.point, on_b, separation, id }, out);
 }
 
 fn segment_feature(height: f32, half_length: f32) -> Feature {
@@ -138,8 +138,10 @@ pub(crate) fn nearest_on_box(half: Vec3, point: Vec3) -> Nearest {
 /// The point of a polyhedron nearest to `point`.
 pub(crate) fn nearest_on_polyhedron(solid: &Polyhedron, point: Vec3) -> Nearest {
     let mut best = (0, f32::NEG_INFINITY);
+    let mut is_seen: SmallVec<[bool; 32]> = SmallVec::new();
     for (i, face) in solid.faces.iter().enumerate() {
         let distance = face.normal.dot(point) - face.offset;
+        is_seen.push(distance > 0.0);
         if distance > best.1 {
             best = (i, distance);
         }
@@ -155,8 +157,12 @@ pub(crate) fn nearest_on_polyhedron(solid: &Polyhedron, point: Vec3) -> Nearest 
         let feature = Feature::face(face as u32);
         return Nearest { point: point - normal * distance, normal, distance, feature };
     }
+    // No edge is nearest between two faces that look away.
     let mut nearest: Option<(f32, Vec3, Feature)> = None;
     for (i, edge) in solid.edges.iter().enumerate() {
+        if !edge.faces.iter().any(|&face| is_seen[face as usize]) {
+            continue;
+        }
         let [start, end] = solid.edge_points(i);
         let along = end - start;
         let part = (point - start).dot(along) / along.length_squared();
@@ -263,7 +269,7 @@ pub(crate) fn capsule_capsule(a: &PlacedCapsule, b: &PlacedCapsule, margin: f32,
     if points.is_empty() {
         points.push(point(s, t, FeatureId::new(PlacedCapsule::feature(s), PlacedCapsule::feature(t))));
     }
-    push_manifold(-direction, (0, 0), points, 0.0, out);
+    push_manifold(-direction, (0, 0), &mut points, 0.0, out);
 }
 
 pub(crate) fn sine(a: Vec3, b: Vec3) -> f32 {
@@ -316,8 +322,26 @@ pub(crate) struct SegmentGap {
     pub part: f32,
 }
 
-/// The nearest points of a segment and a polyhedron, or the axis of least overlap; `None` beyond `reach`.
-pub(crate) fn segment_gap(solid: &Polyhedron, ends: [Vec3; 2], reach: f32, tolerance: f32) -> Option<SegmentGap> {
+/// How a segment may lie to a polyhedron: on its best face, or otherwise if that is clearly better.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SegmentGaps {
+    over_face: SegmentGap,
+    other: Option<SegmentGap>,
+}
+
+impl SegmentGaps {
+    /// The nearest points, or the axis of least overlap; faces are preferred by `tolerance` (m).
+    pub fn choose(&self, tolerance: f32) -> SegmentGap {
+        match self.other {
+            // A capsule on a face stays on the face: two points instead of one.
+            Some(gap) if gap.distance > self.over_face.distance + tolerance => gap,
+            _ => self.over_face,
+        }
+    }
+}
+
+/// The nearest points of a segment and a polyhedron, or the axes of least overlap; `None` beyond `reach`.
+pub(crate) fn segment_gaps(solid: &Polyhedron, ends: [Vec3; 2], reach: f32) -> Option<SegmentGaps> {
     // The best face: distance of the nearer end from its plane.
     let mut face = (0, f32::NEG_INFINITY);
     for (i, plane) in solid.faces.iter().enumerate() {
@@ -338,42 +362,51 @@ pub(crate) fn segment_gap(solid: &Polyhedron, ends: [Vec3; 2], reach: f32, toler
         on_solid: ends[near] - normal * face.1,
         part: near as f32,
     };
-    let crossing = edge_crossing(solid, ends);
-    let deepest_axis = crossing.map_or(face.1, |gap| gap.distance.max(face.1));
-    let other = if deepest_axis > 0.0 { Some(nearest_apart(solid, ends, normal)) } else { crossing };
-    Some(match other {
-        // A capsule on a face stays on the face: two points instead of one.
-        Some(gap) if gap.distance > face.1 + tolerance => gap,
-        _ => over_face,
-    })
+    let other = if face.1 > 0.0 {
+        // Nothing is nearer than the plane, and the end over the face is as near.
+        (!is_over(solid, face.0, ends[near])).then(|| nearest_apart(solid, ends, normal))
+    } else {
+        let crossing = edge_crossing(solid, ends);
+        let apart = crossing.is_some_and(|gap| gap.distance > 0.0);
+        if apart { Some(nearest_apart(solid, ends, normal)) } else { crossing }
+    };
+    Some(SegmentGaps { over_face, other })
 }
 
 /// The best axis across an edge of the polyhedron and the segment.
 fn edge_crossing(solid: &Polyhedron, ends: [Vec3; 2]) -> Option<SegmentGap> {
     let along = ends[1] - ends[0];
-    let mut best: Option<SegmentGap> = None;
+    let mut best: Option<(f32, usize, Vec3)> = None;
     for (i, edge) in solid.edges.iter().enumerate() {
         let [start, end] = solid.edge_points(i);
         let cross = (end - start).cross(along);
+        let normals = edge.faces.map(|f| solid.faces[f as usize].normal);
+        let outward = cross.dot(normals[0] + normals[1]) >= 0.0;
+        // Nothing else than a better axis is worth a root; signs tell most edges that look away.
+        let ahead = if outward { cross } else { -cross };
+        if ahead.dot(ends[0] - start) < 0.0 && best.is_some_and(|best| best.0 >= 0.0) {
+            continue;
+        }
         if sine(end - start, along) < 1e-3 {
             continue;
         }
-        let Some(unit) = cross.try_normalize() else { continue };
-        let normals = edge.faces.map(|f| solid.faces[f as usize].normal);
-        let direction = if unit.dot(normals[0] + normals[1]) >= 0.0 { unit } else { -unit };
+        let Some(direction) = ahead.try_normalize() else { continue };
         // On the arc between the normals of the two faces.
         let cosine = normals[0].dot(normals[1]);
         if direction.dot(normals[0]) < cosine || direction.dot(normals[1]) < cosine {
             continue;
         }
         let distance = direction.dot(ends[0] - start);
-        if best.is_none_or(|best| distance > best.distance) {
-            let (s, t) = nearest_on_segments([start, end], ends);
-            let feature = Feature::edge(i as u32);
-            best = Some(SegmentGap { direction, distance, feature, on_solid: start.lerp(end, s), part: t });
+        if best.is_none_or(|best| distance > best.0) {
+            best = Some((distance, i, direction));
         }
     }
-    best
+    best.map(|(distance, i, direction)| {
+        let [start, end] = solid.edge_points(i);
+        let (s, t) = nearest_on_segments([start, end], ends);
+        let feature = Feature::edge(i as u32);
+        SegmentGap { direction, distance, feature, on_solid: start.lerp(end, s), part: t }
+    })
 }
 
 /// Nearest points of a polyhedron and a segment that does not enter it.
@@ -390,7 +423,11 @@ fn nearest_apart(solid: &Polyhedron, ends: [Vec3; 2], fallback: Vec3) -> Segment
     };
     let (first, second) = (of_end(0), of_end(1));
     let mut best = if second.distance < first.distance { second } else { first };
+    let beyond = faces_beyond(solid, ends, best.distance);
     for (i, edge) in solid.edges.iter().enumerate() {
+        if edge.faces.iter().any(|&face| beyond[face as usize]) {
+            continue;
+        }
         let [start, end] = solid.edge_points(i);
         let (s, t) = nearest_on_segments([start, end], ends);
         let on_solid = start.lerp(end, s);
@@ -410,6 +447,15 @@ fn nearest_apart(solid: &Polyhedron, ends: [Vec3; 2], fallback: Vec3) -> Segment
     best
 }
 
+/// Faces between which no edge is within `distance` (m) of the segment: it is that far behind or in front of the plane.
+fn faces_beyond(solid: &Polyhedron, ends: [Vec3; 2], distance: f32) -> SmallVec<[bool; 32]> {
+    let is_beyond = |face: &Face| {
+        let [first, second] = ends.map(|end| face.normal.dot(end) - face.offset);
+        first.min(second) > distance || first.max(second) < -distance
+    };
+    solid.faces.iter().map(is_beyond).collect()
+}
+
 /// A polyhedron and a capsule in its frame.
 pub(crate) fn polyhedron_capsule(
     solid: &Polyhedron,
@@ -420,18 +466,21 @@ pub(crate) fn polyhedron_capsule(
 ) {
     let tolerance = Tolerance::new(margin, length_scale, solid.inner_radius.min(capsule.radius));
     let reach = margin + capsule.radius;
-    let Some(mut gap) = segment_gap(solid, capsule.ends, reach, tolerance.axis) else { return };
+    let Some(gaps) = segment_gaps(solid, capsule.ends, reach) else { return };
+    let mut gap = gaps.choose(tolerance.axis);
+    if gap.distance > reach {
+        return;
+    }
     let mut points = capsule_points(solid, capsule, &gap, &tolerance, false);
     let over_face = points.iter().any(|p| p.separation <= gap.distance - capsule.radius + tolerance.axis);
     if !over_face {
         // The deepest end is just beside the face it seemed to lie on.
-        let Some(nearest) = segment_gap(solid, capsule.ends, reach, 0.0) else { return };
-        gap = nearest;
+        gap = gaps.choose(0.0);
         points = capsule_points(solid, capsule, &gap, &tolerance, true);
         let skims = skims(solid, (gap.feature, gap.direction), &capsule.ends, capsule.radius, &tolerance);
         points.retain(|p| p.separation <= 0.0 || !skims);
     }
-    push_manifold(-gap.direction, (0, 0), points, tolerance.clip, out);
+    push_manifold(-gap.direction, (0, 0), &mut points, tolerance.clip, out);
 }
 
 /// Whether what comes near an edge or a vertex only skims over the plane of a face beside it: a floor of flush

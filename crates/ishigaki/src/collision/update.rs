@@ -11,7 +11,7 @@ use crate::constraint::contact::share_evenly;
 use crate::event::Event;
 use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
-use crate::math::{Pose, Vec3};
+use crate::math::{Mat3, Pose, Vec3};
 use crate::options::WorldOptions;
 use crate::world::World;
 use smallvec::SmallVec;
@@ -290,10 +290,12 @@ impl Search<'_> {
 
 /// From the frame of shape A to arms in the world; `lead` is how far A was moved for the search.
 fn to_world(found: &LocalManifold, pose_a: &Pose, lead: Vec3, center_a: Vec3, center_b: Vec3) -> Manifold {
+    let turn = Mat3::from_quat(pose_a.rotation);
     let normal = pose_a.rotation * found.normal;
+    let (from_a, from_b) = (pose_a.translation - lead - center_a, pose_a.translation - center_b);
     let points = found.points.iter().map(|p| ContactPoint {
-        arm_a: pose_a.transform_point(p.on_a) - lead - center_a,
-        arm_b: pose_a.transform_point(p.on_b) - center_b,
+        arm_a: turn * p.on_a + from_a,
+        arm_b: turn * p.on_b + from_b,
         separation: p.separation - lead.dot(normal),
         id: p.id,
         lambda_normal: 0.0,
