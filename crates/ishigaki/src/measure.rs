@@ -74,6 +74,9 @@ impl World {
 
     /// Reports contacts that carried more than a body asked to hear of.
     pub(crate) fn notice_forces(&mut self, dt: f32) {
+        if self.bodies.iter().all(|(_, body)| body.force_threshold.is_none()) {
+            return;
+        }
         for i in 0..self.contacts.len() {
             let contact = &self.contacts[i];
             let threshold = |index| self.bodies.at(index).force_threshold.unwrap_or(f32::INFINITY);

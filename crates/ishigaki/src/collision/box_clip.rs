@@ -101,8 +101,11 @@ impl BoxesOnFace {
     fn clip(&self, ring: &mut Ring, axis: usize, positive: bool, tolerance: f32) {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         // Counter-clockwise seen from outside, from the corner where both coordinates are least.
-        let sides =
-            if positive { [(v, -1.0), (u, 1.0), (v, 1.0), (u, -1.0)] } else { [(u, -1.0), (v, 1.0), (u, 1.0), (v, -1.0)] };
+        let sides = if positive {
+            [(v, -1.0), (u, 1.0), (v, 1.0), (u, -1.0)]
+        } else {
+            [(u, -1.0), (v, 1.0), (u, 1.0), (v, -1.0)]
+        };
         for (side, (k, outward)) in (REFERENCE..).zip(sides) {
             clip_by_side(ring, k, outward, self.half[k] + tolerance, side);
         }

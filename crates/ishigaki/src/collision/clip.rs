@@ -127,12 +127,7 @@ impl Sides for Polygon {
 }
 
 /// What touches what in the corner where side `before` ends and side `after` begins: (of reference, of incident).
-pub(crate) fn features(
-    reference: &impl Sides,
-    incident: &impl Sides,
-    before: u32,
-    after: u32,
-) -> (Feature, Feature) {
+pub(crate) fn features(reference: &impl Sides, incident: &impl Sides, before: u32, after: u32) -> (Feature, Feature) {
     let crossing = |reference_side: u32, incident_side: u32| {
         let of_reference = reference.edge((reference_side & !REFERENCE) as usize);
         (Feature::edge(of_reference), Feature::edge(incident.edge(incident_side as usize)))

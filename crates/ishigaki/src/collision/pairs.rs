@@ -41,12 +41,15 @@ impl World {
                     let before = if shape.moved { FatBounds::NOWHERE } else { proxies.bounds[slot as usize][0] };
                     proxies.bounds[slot as usize] = [FatBounds::of(shape), before];
                     shape.moved = false;
-                    self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
                     moved.push(slot);
                 }
             }
         }
-        if !self.scratch.moved_shapes.is_empty() {
+        if !moved.is_empty() {
+            self.broad_phase.update_all(moved, |slot| {
+                let [now, _] = proxies.bounds[slot as usize];
+                (now.min, now.max)
+            });
             self.drop_parted_pairs();
             self.add_new_pairs();
         }

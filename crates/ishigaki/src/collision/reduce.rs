@@ -9,6 +9,7 @@ use crate::collision::manifold::{LocalManifold, LocalPoint, MAX_POINTS};
 use crate::collision::narrow_phase::LocalManifolds;
 use crate::math::Vec3;
 use arrayvec::ArrayVec;
+use smallvec::SmallVec;
 
 /// A later candidate must lead by this factor.
 const LEAD: f32 = 1.02;
@@ -24,23 +25,34 @@ pub(crate) fn push_manifold(
     out: &mut LocalManifolds,
 ) {
     // A point that is not a number would poison the whole world.
-    candidates.retain(|p| p.separation.is_finite() && p.on_a.is_finite() && p.on_b.is_finite());
-    // Of equal names the deeper stays.
-    // The order does not tell A from B, so that exchanging them changes no choice.
-    let name = |p: &LocalPoint| (p.id.a.min(p.id.b), p.id.a.max(p.id.b), p.id);
-    if candidates.len() > 1 {
-        candidates.sort_by(|p, q| name(p).cmp(&name(q)).then(p.separation.total_cmp(&q.separation)));
-        candidates.dedup_by(|p, q| p.id == q.id);
+    let is_finite = |p: &LocalPoint| p.separation.is_finite() && p.on_a.is_finite() && p.on_b.is_finite();
+    if !candidates.iter().all(is_finite) {
+        candidates.retain(|p| is_finite(p));
     }
     if candidates.is_empty() || !normal.is_finite() {
         return;
     }
-    let points = if candidates.len() <= MAX_POINTS {
-        candidates.iter().copied().collect()
+    let order = by_name(candidates);
+    let points = if order.len() <= MAX_POINTS {
+        order.iter().map(|&i| candidates[i]).collect()
     } else {
-        spread(normal, candidates, tolerance)
+        let sorted: Candidates = order.iter().map(|&i| candidates[i]).collect();
+        spread(normal, &sorted, tolerance)
     };
     out.push(LocalManifold { normal, points, part });
+}
+
+/// The candidates in the order of their names, without the shallower of those with the same name.
+fn by_name(candidates: &[LocalPoint]) -> SmallVec<[usize; 16]> {
+    // The order does not tell A from B, so that exchanging them changes no choice.
+    let name = |p: &LocalPoint| (p.id.a.min(p.id.b), p.id.a.max(p.id.b), p.id.a > p.id.b);
+    let mut named: SmallVec<[_; 16]> = candidates.iter().map(name).zip(0..).collect();
+    named.sort_unstable_by(|p, q| {
+        let deeper = || candidates[p.1].separation.total_cmp(&candidates[q.1].separation).then(p.1.cmp(&q.1));
+        p.0.cmp(&q.0).then_with(deeper)
+    });
+    named.dedup_by_key(|p| p.0);
+    named.into_iter().map(|(_, i)| i).collect()
 }
 
 /// Appends the manifold of a single point.

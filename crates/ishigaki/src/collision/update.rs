@@ -259,8 +259,7 @@ impl Search<'_> {
         {
             // The manifold of the moment of impact; its gap is what the motion until then takes away. A little past it:
             // at the touch itself rounding decides whether there is a contact.
-            lead.moved =
-                motion * part + motion.normalize_or_zero() * (INTO * continuous::thinness(shape_a, shape_b));
+            lead.moved = motion * part + motion.normalize_or_zero() * (INTO * continuous::thinness(shape_a, shape_b));
             lead.pose_a.translation += lead.moved;
             let b_at_hit = lead.pose_a.inverse() * pose_b;
             let (margin, scale) = (self.margin, options.length_scale);
