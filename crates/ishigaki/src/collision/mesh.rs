@@ -10,10 +10,9 @@ use crate::collision::feature_id::Feature;
 use crate::collision::narrow_phase::{LocalManifolds, with_polyhedron};
 use crate::collision::polyhedron::Polyhedron;
 use crate::collision::reduce::push_manifold;
-use crate::collision::round::{
-    PlacedCapsule, SegmentGap, capsule_points, nearest_on_polyhedron, push_ball_of_part, segment_gaps,
-};
+use crate::collision::round::{PlacedCapsule, capsule_points, nearest_on_polyhedron, push_ball_of_part};
 use crate::collision::sat::{Axis, Pair, Points, Source, Tolerance};
+use crate::collision::segment::{SegmentGap, segment_gaps};
 use crate::collision::surface::{SurfaceTriangle, Verdict, for_each_triangle};
 use crate::math::{Pose, Vec3};
 use crate::shape::Geometry;

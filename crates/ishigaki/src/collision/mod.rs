@@ -20,5 +20,6 @@ pub(crate) mod proxy;
 mod reduce;
 mod round;
 mod sat;
+mod segment;
 mod surface;
 pub(crate) mod update;

@@ -9,7 +9,6 @@ use crate::collision::manifold::{LocalManifold, LocalPoint, MAX_POINTS};
 use crate::collision::narrow_phase::LocalManifolds;
 use crate::math::Vec3;
 use arrayvec::ArrayVec;
-use smallvec::SmallVec;
 
 /// A later candidate must lead by this factor.
 const LEAD: f32 = 1.02;
@@ -32,27 +31,36 @@ pub(crate) fn push_manifold(
     if candidates.is_empty() || !normal.is_finite() {
         return;
     }
-    let order = by_name(candidates);
-    let points = if order.len() <= MAX_POINTS {
-        order.iter().map(|&i| candidates[i]).collect()
+    sort_by_name(candidates);
+    candidates.dedup_by(|p, q| p.id == q.id);
+    let points = if candidates.len() <= MAX_POINTS {
+        candidates.iter().copied().collect()
     } else {
-        let sorted: Candidates = order.iter().map(|&i| candidates[i]).collect();
-        spread(normal, &sorted, tolerance)
+        spread(normal, candidates, tolerance)
     };
     out.push(LocalManifold { normal, points, part });
 }
 
-/// The candidates in the order of their names, without the shallower of those with the same name.
-fn by_name(candidates: &[LocalPoint]) -> SmallVec<[usize; 16]> {
-    // The order does not tell A from B, so that exchanging them changes no choice.
-    let name = |p: &LocalPoint| (p.id.a.min(p.id.b), p.id.a.max(p.id.b), p.id.a > p.id.b);
-    let mut named: SmallVec<[_; 16]> = candidates.iter().map(name).zip(0..).collect();
-    named.sort_unstable_by(|p, q| {
-        let deeper = || candidates[p.1].separation.total_cmp(&candidates[q.1].separation).then(p.1.cmp(&q.1));
-        p.0.cmp(&q.0).then_with(deeper)
-    });
-    named.dedup_by_key(|p| p.0);
-    named.into_iter().map(|(_, i)| i).collect()
+/// Sorts by name, of equal names the deeper first; a few points, which most manifolds have, without the library's means
+/// for many.
+fn sort_by_name(points: &mut [LocalPoint]) {
+    const FEW: usize = 8;
+    let before = |p: ((u64, bool), f32), q: ((u64, bool), f32)| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1));
+    let key = |p: &LocalPoint| (p.id.order(), p.separation);
+    if points.len() > FEW {
+        points.sort_by(|p, q| before(key(p), key(q)));
+        return;
+    }
+    let mut keys = [((0, false), 0.0); FEW];
+    for i in 0..points.len() {
+        let (point, new) = (points[i], key(&points[i]));
+        let mut place = i;
+        while place > 0 && before(new, keys[place - 1]).is_lt() {
+            (points[place], keys[place]) = (points[place - 1], keys[place - 1]);
+            place -= 1;
+        }
+        (points[place], keys[place]) = (point, new);
+    }
 }
 
 /// Appends the manifold of a single point.

@@ -271,15 +271,24 @@ impl Search<'_> {
     /// Gives a contact the points found, with the impulses of those it had; how many were found again, of how many.
     fn fill(&mut self, contact: &mut Contact, lead: Lead, center_a: Vec3, center_b: Vec3) -> (usize, usize) {
         let NarrowScratch { found, old, .. } = &mut *self.scratch;
+        let place = |found: &LocalManifold, old: Option<&Manifold>| to_world(found, &lead, (center_a, center_b), old);
+        // Most contacts have one manifold and keep it: it is replaced where it is.
+        if let ([found], [manifold]) = (&found[..], &mut contact.manifolds[..])
+            && found.part == manifold.part
+            && !found.points.is_empty()
+        {
+            let (new, matched) = place(found, Some(manifold));
+            *manifold = new;
+            return (matched, found.points.len());
+        }
         std::mem::swap(&mut contact.manifolds, old);
         contact.manifolds.clear();
         let (mut matched, mut expected) = (0, 0);
         for found in found.iter().filter(|m| !m.points.is_empty()) {
-            let mut manifold = to_world(found, &lead.pose_a, lead.moved, center_a, center_b);
-            if let Some(old) = old.iter().find(|m| m.part == manifold.part) {
-                expected += manifold.points.len();
-                matched += carry_impulses(&mut manifold, old);
-            }
+            let old = old.iter().find(|m| m.part == found.part);
+            let (manifold, again) = place(found, old);
+            matched += again;
+            expected += if old.is_some() { manifold.points.len() } else { 0 };
             contact.manifolds.push(manifold);
         }
         old.clear();
@@ -287,36 +296,40 @@ impl Search<'_> {
     }
 }
 
-/// From the frame of shape A to arms in the world; `lead` is how far A was moved for the search.
-fn to_world(found: &LocalManifold, pose_a: &Pose, lead: Vec3, center_a: Vec3, center_b: Vec3) -> Manifold {
+/// From the frame of shape A to arms in the world, with the impulses of the last step for points with the same name;
+/// how many points had one.
+fn to_world(
+    found: &LocalManifold,
+    lead: &Lead,
+    (center_a, center_b): (Vec3, Vec3),
+    old: Option<&Manifold>,
+) -> (Manifold, usize) {
+    let pose_a = &lead.pose_a;
     let turn = Mat3::from_quat(pose_a.rotation);
     let normal = pose_a.rotation * found.normal;
-    let (from_a, from_b) = (pose_a.translation - lead - center_a, pose_a.translation - center_b);
-    let points = found.points.iter().map(|p| ContactPoint {
-        arm_a: turn * p.on_a + from_a,
-        arm_b: turn * p.on_b + from_b,
-        separation: p.separation - lead.dot(normal),
-        id: p.id,
-        lambda_normal: 0.0,
-        lambda_friction: Vec3::ZERO,
-        impulse: 0.0,
-    });
-    Manifold { normal, points: points.collect(), part: found.part, lambda_torsion: 0.0, lambda_rolling: Vec3::ZERO }
-}
-
-/// Hands the impulses of the last step to the points with the same name; gives the number of points found again.
-fn carry_impulses(manifold: &mut Manifold, old: &Manifold) -> usize {
-    manifold.lambda_torsion = old.lambda_torsion;
-    manifold.lambda_rolling = old.lambda_rolling;
+    let (from_a, from_b) = (pose_a.translation - lead.moved - center_a, pose_a.translation - center_b);
     let mut matched = 0;
-    for point in &mut manifold.points {
-        if let Some(last) = old.points.iter().find(|p| p.id == point.id) {
-            point.lambda_normal = last.lambda_normal;
-            point.lambda_friction = last.lambda_friction;
-            matched += 1;
+    let points = found.points.iter().map(|p| {
+        let last = old.and_then(|old| old.points.iter().find(|last| last.id == p.id));
+        matched += usize::from(last.is_some());
+        ContactPoint {
+            arm_a: turn * p.on_a + from_a,
+            arm_b: turn * p.on_b + from_b,
+            separation: p.separation - lead.moved.dot(normal),
+            id: p.id,
+            lambda_normal: last.map_or(0.0, |last| last.lambda_normal),
+            lambda_friction: last.map_or(Vec3::ZERO, |last| last.lambda_friction),
+            impulse: 0.0,
         }
-    }
-    matched
+    });
+    let manifold = Manifold {
+        normal,
+        points: points.collect(),
+        part: found.part,
+        lambda_torsion: old.map_or(0.0, |old| old.lambda_torsion),
+        lambda_rolling: old.map_or(Vec3::ZERO, |old| old.lambda_rolling),
+    };
+    (manifold, matched)
 }
 
 fn mix_materials(contact: &mut Contact, a: &BodyState, b: &BodyState, shape_a: &ShapeState, shape_b: &ShapeState) {
@@ -325,5 +338,9 @@ fn mix_materials(contact: &mut Contact, a: &BodyState, b: &BodyState, shape_a: &
     contact.restitution = m.restitution_combine.mix(n.restitution_combine, m.restitution, n.restitution);
     contact.torsional_friction = m.torsional_friction.max(n.torsional_friction);
     contact.rolling_friction = m.rolling_friction.max(n.rolling_friction);
-    contact.surface_velocity = b.rotation * n.surface_velocity - a.rotation * m.surface_velocity;
+    contact.surface_velocity = if m.surface_velocity == Vec3::ZERO && n.surface_velocity == Vec3::ZERO {
+        Vec3::ZERO
+    } else {
+        b.rotation * n.surface_velocity - a.rotation * m.surface_velocity
+    };
 }
