@@ -106,8 +106,8 @@ impl World {
             pair.frozen = None;
             return;
         }
-        let [proxy_a, proxy_b] = [pair.shape_a, pair.shape_b].map(|slot| &search.proxies.shapes[slot as usize]);
-        let (a, b) = (self.bodies.at(proxy_a.body), self.bodies.at(proxy_b.body));
+        let body = |slot: u32| self.bodies.at(search.proxies.motions[slot as usize].body);
+        let (a, b) = (body(pair.shape_a), body(pair.shape_b));
         if a.broken || b.broken || !(a.is_stirring() || b.is_stirring()) {
             return;
         }
@@ -241,16 +241,16 @@ impl Search<'_> {
     ) -> Lead {
         let [slot_a, slot_b] = [pair.shape_a as usize, pair.shape_b as usize];
         let (pose_a, pose_b) = (self.proxies.poses[slot_a], self.proxies.poses[slot_b]);
-        let (proxy_a, proxy_b) = (&self.proxies.shapes[slot_a], &self.proxies.shapes[slot_b]);
-        let margin = Proxies::margin(proxy_a, proxy_b, self.margin);
+        let (traits_a, traits_b) = (self.proxies.shapes[slot_a].traits, self.proxies.shapes[slot_b].traits);
+        let margin = self.proxies.margin(pair.key(), self.margin);
         let (geometry_a, geometry_b) = (&shape_a.shape.geometry, &shape_b.shape.geometry);
         let found = &mut self.scratch.found;
         let b_in_a = pose_a.inverse() * pose_b;
         find_manifolds(geometry_a, geometry_b, &b_in_a, margin, options.length_scale, &mut pair.hint, found);
 
         let mut lead = Lead { pose_a, moved: Vec3::ZERO };
-        let may_sweep = proxy_a.traits.continuous || proxy_b.traits.continuous;
-        if !may_sweep || proxy_a.traits.sensor || proxy_b.traits.sensor || found.iter().any(|m| !m.points.is_empty()) {
+        let may_sweep = traits_a.continuous || traits_b.continuous;
+        if !may_sweep || traits_a.sensor || traits_b.sensor || found.iter().any(|m| !m.points.is_empty()) {
             return lead;
         }
         let motion = motion_in_step(a, self.dt) - motion_in_step(b, self.dt);
