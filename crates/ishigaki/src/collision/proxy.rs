@@ -163,3 +163,60 @@ impl Proxy {
         traits: Traits { sensor: false, continuous: false, half_space: false },
     };
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::body::Body;
+    use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
+    use crate::math::Quat;
+    use crate::shape::Shape;
+    use crate::solver::permutation::Random;
+
+    /// Two shapes, turned and placed at random within reach of each other, thrown about.
+    fn placed(random: &mut Random, shapes: [&Shape; 2]) -> Proxies {
+        let mut proxies = Proxies::default();
+        proxies.reset(2);
+        let mut number = |size: f32| size * ((random.bits() >> 40) as f32 / (1 << 23) as f32 - 1.0);
+        for (slot, shape) in (0..).zip(shapes) {
+            let mut vector = |size: f32| Vec3::new(number(size), number(size), number(size));
+            let (at, turn, velocity) = (vector(0.8), vector(3.0), vector(4.0));
+            let rotation = crate::math::rotation_from_vector(turn);
+            let body = Body::kinematic(shape.clone()).at(at).rotated(rotation).velocity(velocity);
+            let flat = body.flat_shapes();
+            let state = BodyState::new(&body, &flat).unwrap();
+            let shape = ShapeState::new(slot, 0, flat[0].clone(), &state);
+            proxies.enter(slot, &shape, &state, 1.0 / 60.0);
+        }
+        proxies
+    }
+
+    #[test]
+    fn pairs_that_are_apart_have_no_points() {
+        const MARGIN: f32 = 0.02;
+        let shapes = [
+            Shape::ball(0.3),
+            Shape::cuboid(0.3, 0.2, 0.1),
+            Shape::capsule(0.3, 0.1),
+            Shape::cylinder(0.2, 0.3),
+            Shape::cone(0.3, 0.2),
+            Shape::half_space(Quat::from_xyzw(0.5, 0.5, 0.5, 0.5) * Vec3::Y),
+        ];
+        let mut random = Random(5);
+        let (mut apart, mut empty) = (0, 0);
+        for (i, a) in shapes.iter().enumerate() {
+            for b in &shapes[..i] {
+                for _ in 0..300 {
+                    let proxies = placed(&mut random, [a, b]);
+                    let b_in_a = proxies.poses[0].inverse() * proxies.poses[1];
+                    let (margin, mut found) = (proxies.margin((0, 1), MARGIN), LocalManifolds::new());
+                    find_manifolds(&a.geometry, &b.geometry, &b_in_a, margin, 1.0, &mut 0, &mut found);
+                    let is_apart = proxies.are_apart((0, 1), MARGIN);
+                    assert!(!is_apart || found.is_empty(), "{a:?} and {b:?}");
+                    (apart, empty) = (apart + u32::from(is_apart), empty + u32::from(found.is_empty()));
+                }
+            }
+        }
+        assert!(apart * 2 > empty, "it tells {apart} of {empty} pairs apart: too few to be worth it");
+    }
+}
