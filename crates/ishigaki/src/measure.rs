@@ -11,7 +11,7 @@ impl World {
     pub(crate) fn complete_report(&mut self, plan: &Plan) {
         let mut report = std::mem::take(&mut self.report);
         report.bodies = self.bodies.len();
-        report.pairs = self.contacts.len();
+        report.pairs = self.pairs.len();
         report.wide_rows = plan.wide.rows;
         report.rows = plan.rows.len() + plan.wide.rows;
         for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
@@ -75,6 +75,9 @@ impl World {
 
     /// Reports contacts that carried more than a body asked to hear of.
     pub(crate) fn notice_forces(&mut self, dt: f32) {
+        if self.bodies.iter().all(|(_, body)| body.force_threshold.is_none()) {
+            return;
+        }
         for i in 0..self.contacts.len() {
             let contact = &self.contacts[i];
             let threshold = |index| self.bodies.at(index).force_threshold.unwrap_or(f32::INFINITY);

@@ -3,6 +3,7 @@
 use crate::body::{BodyState, ShapeState};
 use crate::collision::broad_phase::BroadPhase;
 use crate::collision::manifold::Contact;
+use crate::collision::pair::Pair;
 use crate::error::{Error, Result};
 use crate::event::Event;
 use crate::handle::Arena;
@@ -18,7 +19,7 @@ use std::fmt;
 /// Snapshots begin with this.
 const MAGIC: &[u8; 8] = b"ISHIGAKI";
 /// Raised whenever the layout of the state changes.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 /// Magic, version, checksum.
 const HEADER: usize = 16;
 
@@ -30,6 +31,7 @@ struct Written {
     bodies: Arena<BodyState>,
     shapes: Arena<ShapeState>,
     joints: Arena<JointState>,
+    pairs: Vec<Pair>,
     contacts: Vec<Contact>,
     excluded: Vec<(u32, u32)>,
     jointed: Vec<(u32, u32)>,

@@ -1,5 +1,6 @@
 //! One step: the ten stages in their order, and nothing else. The stages live in the folders.
 
+use crate::collision::proxy::Proxies;
 use crate::collision::update::NarrowScratch;
 use crate::hooks::StepContext;
 use crate::island::{aggressive_sleep, sleep};
@@ -18,6 +19,7 @@ pub(crate) struct Scratch {
     pub moved_shapes: Vec<u32>,
     pub new_pairs: Vec<(u32, u32)>,
     pub gone_pairs: Vec<(u32, u32, bool)>,
+    pub proxies: Proxies,
     pub narrow: NarrowScratch,
     pub parents: Vec<u32>,
     pub awake_roots: Vec<bool>,

@@ -4,6 +4,7 @@
 
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::manifold::Contact;
+use crate::collision::pair::Pair;
 use crate::error::{Error, Result, not_negative, positive};
 use crate::math::{Pose, Quat};
 use crate::shape::Geometry;
@@ -30,10 +31,14 @@ impl World {
         for (slot, joint) in self.joints.iter() {
             self.check_joint(joint).map_err(|e| e.within(&format!("joints[{slot}]")))?;
         }
+        for (i, pair) in self.pairs.iter().enumerate() {
+            self.check_pair(pair).map_err(|e| e.within(&format!("pairs[{i}]")))?;
+        }
         for (i, contact) in self.contacts.iter().enumerate() {
             self.check_contact(contact).map_err(|e| e.within(&format!("contacts[{i}]")))?;
         }
-        sorted("contacts", self.contacts.iter().map(|c| (c.shape_a, c.shape_b)))?;
+        sorted("pairs", self.pairs.iter().map(Pair::key))?;
+        sorted("contacts", self.contacts.iter().map(Contact::key))?;
         sorted("excluded", self.excluded.iter().copied())?;
         sorted("jointed", self.jointed.iter().copied())?;
         not_negative("last_substep", self.last_substep)?;
@@ -106,7 +111,18 @@ impl World {
         Ok(())
     }
 
+    fn check_pair(&self, pair: &Pair) -> Result<()> {
+        let [a, b] = [pair.shape_a, pair.shape_b].map(|slot| self.shapes.in_use(slot).map(|shape| shape.body));
+        if a.is_none() || b.is_none() || a == b {
+            return Err(Error::invalid("shape_b", "must be of another body than shape_a, and both must exist"));
+        }
+        Ok(())
+    }
+
     fn check_contact(&self, contact: &Contact) -> Result<()> {
+        if self.pairs.binary_search_by_key(&contact.key(), Pair::key).is_err() {
+            return Err(Error::invalid("shape_a", "is of no pair"));
+        }
         for (place, slot, body) in
             [("shape_a", contact.shape_a, contact.body_a), ("shape_b", contact.shape_b, contact.body_b)]
         {

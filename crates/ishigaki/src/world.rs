@@ -3,6 +3,7 @@
 use crate::body::{Body, BodyState, ShapeId, ShapeState};
 use crate::collision::broad_phase::BroadPhase;
 use crate::collision::manifold::{Contact, Manifold};
+use crate::collision::pair::Pair;
 use crate::constraint::joint::Joint;
 use crate::constraint::joint_rows::ResolvedJoint;
 use crate::error::{Error, Result};
@@ -27,6 +28,8 @@ pub struct World {
     pub(crate) shapes: Arena<ShapeState>,
     pub(crate) joints: Arena<JointState>,
     /// Pairs whose bounds overlap, sorted by (shape_a, shape_b).
+    pub(crate) pairs: Vec<Pair>,
+    /// Those of them with contact points, in the same order.
     pub(crate) contacts: Vec<Contact>,
     /// Pairs of bodies that never touch because the user said so; sorted, each (low slot, high slot).
     pub(crate) excluded: Vec<(u32, u32)>,
@@ -137,6 +140,7 @@ impl Default for World {
             bodies: Arena::default(),
             shapes: Arena::default(),
             joints: Arena::default(),
+            pairs: Vec::new(),
             contacts: Vec::new(),
             excluded: Vec::new(),
             jointed: Vec::new(),
@@ -230,22 +234,14 @@ impl World {
         }
         let index = handle.index;
         let mut ended = Vec::new();
-        for contact in &self.contacts {
-            if contact.body_a == index || contact.body_b == index {
-                let other = if contact.body_a == index { contact.body_b } else { contact.body_a };
-                if !contact.sensor {
-                    self.bodies.at_mut(other).wake();
-                }
-                if contact.touching {
-                    ended.push((contact.shape_a, contact.shape_b, contact.sensor));
-                }
-            }
+        for contact in self.contacts.iter().filter(|c| c.touching && (c.body_a == index || c.body_b == index)) {
+            ended.push((contact.shape_a, contact.shape_b, contact.sensor));
         }
+        self.drop_pairs_of(index);
         for (a, b, sensor) in ended {
             let event = self.touch_event(a, b, sensor, false);
             self.pending_events.push(event);
         }
-        self.contacts.retain(|c| c.body_a != index && c.body_b != index);
         self.excluded.retain(|&(a, b)| a != index && b != index);
         let jointed: Vec<_> = self
             .joints()
@@ -262,6 +258,22 @@ impl World {
             self.broad_phase.remove(slot);
         }
         true
+    }
+
+    /// Forgets the pairs of a body; wakes those it might have carried.
+    fn drop_pairs_of(&mut self, index: u32) {
+        let (shapes, bodies) = (&self.shapes, &mut self.bodies);
+        self.pairs.retain(|pair| {
+            let (a, b) = (shapes.at(pair.shape_a), shapes.at(pair.shape_b));
+            if a.body != index && b.body != index {
+                return true;
+            }
+            if !(a.shape.sensor || b.shape.sensor) {
+                bodies.at_mut(if a.body == index { b.body } else { a.body }).wake();
+            }
+            false
+        });
+        self.contacts.retain(|c| c.body_a != index && c.body_b != index);
     }
 
     /// A body, unless the handle is stale.

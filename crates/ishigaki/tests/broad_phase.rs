@@ -212,3 +212,30 @@ fn a_tree_of_few_boxes_is_rebuilt_whatever_their_slots() {
         assert!(left.is_empty(), "{left:?} are left of {slots:?}");
     }
 }
+
+#[test]
+fn many_boxes_moved_at_once_are_where_they_were_put() {
+    let mut random = Random(11);
+    let mut boxes: BTreeMap<u32, (Vec3, Vec3)> = (0..120).map(|slot| (slot, random.bounds())).collect();
+    let mut broad_phase = rebuilt(&boxes);
+    let mut found = Vec::new();
+    for round in 0..60 {
+        // From a few to all of them, and some that were not there before.
+        let share = 1 + round % 12;
+        let slots: Vec<u32> = (0..130).filter(|_| random.below(share) == 0).collect();
+        for &slot in &slots {
+            boxes.insert(slot, random.bounds());
+        }
+        broad_phase.update_all(&slots, |slot| boxes[&slot]);
+        for _ in 0..10 {
+            let min = random.vector(-10.0, 8.0);
+            let max = min + random.vector(0.0, 4.0);
+            broad_phase.query_aabb(min, max, &mut found);
+            let touch = |b: &(Vec3, Vec3)| b.0.cmple(max).all() && min.cmple(b.1).all();
+            let is_number = |b: &(Vec3, Vec3)| !b.0.is_nan() && !b.1.is_nan();
+            let expected: Vec<u32> =
+                boxes.iter().filter(|(_, b)| is_number(b) && touch(b)).map(|(&slot, _)| slot).collect();
+            assert_eq!(found, expected, "round {round}");
+        }
+    }
+}

@@ -13,7 +13,7 @@
 use crate::math::Vec3;
 use crate::shape::HUGE_LENGTH;
 use parry3d::bounding_volume::Aabb;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 use serde::{Deserialize, Serialize};
 use std::cell::{Cell, RefCell};
 
@@ -25,6 +25,21 @@ pub struct BroadPhase {
     /// Sorted by slot.
     #[serde(skip)]
     large: Vec<LargeBox>,
+    #[serde(skip)]
+    workspace: Workspace,
+}
+
+/// When more than one in so many boxes move, all of the tree is looked at.
+const FEW: usize = 8;
+
+/// Arrays that the tree uses again.
+#[derive(Clone, Default)]
+struct Workspace(BvhWorkspace);
+
+impl std::fmt::Debug for Workspace {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Workspace")
+    }
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -82,6 +97,33 @@ impl BroadPhase {
     pub fn update(&mut self, slot: u32, min: Vec3, max: Vec3) {
         // Taken out and put in again: boxes grown in place would leave their ancestors too large for good.
         self.insert(slot, min, max);
+    }
+
+    /// Gives slots other boxes: as [`update`](Self::update) for each, but faster for many.
+    pub fn update_all(&mut self, slots: &[u32], bounds: impl Fn(u32) -> (Vec3, Vec3)) {
+        let boxes = || slots.iter().map(|&slot| (slot, bounds(slot)));
+        let is_small = |min: Vec3, max: Vec3| matches!(size(min, max), Size::Small);
+        if slots.len() * FEW < self.tree.leaf_count() as usize {
+            boxes().for_each(|(slot, (min, max))| self.update(slot, min, max));
+            return;
+        }
+        // What is not in the tree, or leaves it, needs a tree that holds together.
+        for (slot, (min, max)) in boxes() {
+            if self.tree.leaf_node(slot).is_none() || !is_small(min, max) {
+                self.insert(slot, min, max);
+            }
+        }
+        if self.tree.leaf_count() <= 2 {
+            boxes().for_each(|(slot, (min, max))| self.update(slot, min, max));
+            return;
+        }
+        for (slot, (min, max)) in boxes().filter(|&(_, (min, max))| is_small(min, max)) {
+            self.tree.insert_or_update_partially(Aabb::new(min, max), slot, 0.0);
+        }
+        // One pass over the tree instead of a way to the root for each; it grows worse as boxes move apart that were
+        // neighbors, so a part of it is built anew.
+        self.tree.refit(&mut self.workspace.0);
+        self.tree.optimize_incremental(&mut self.workspace.0);
     }
 
     /// Takes a box out, if the slot has one.

@@ -24,7 +24,7 @@ struct Clipped {
     side: u32,
 }
 
-const REFERENCE: u32 = 1 << 31;
+pub(crate) const REFERENCE: u32 = 1 << 31;
 
 type Ring = SmallVec<[Clipped; 16]>;
 
@@ -54,7 +54,7 @@ impl Clip {
             clip_by_side(&mut ring, outward, outward.dot(corner.point) + self.tolerance, REFERENCE | i as u32);
         }
         for i in 0..ring.len() {
-            let before = ring[(i + ring.len() - 1) % ring.len()].side;
+            let before = ring[if i == 0 { ring.len() - 1 } else { i - 1 }].side;
             let Clipped { point, side } = ring[i];
             let height = reference.normal.dot(point) - reference.offset;
             let separation = height - self.radius;
@@ -76,10 +76,14 @@ impl Clip {
 
 /// Keeps what lies below the plane `outward·x = offset`.
 fn clip_by_side(ring: &mut Ring, outward: Vec3, offset: f32, side: u32) {
+    let height = |corner: &Clipped| outward.dot(corner.point) - offset;
+    if ring.iter().all(|corner| height(corner) <= 0.0) {
+        return;
+    }
     let mut kept = Ring::new();
     for i in 0..ring.len() {
-        let (here, next) = (ring[i], ring[(i + 1) % ring.len()]);
-        let (d_here, d_next) = (outward.dot(here.point) - offset, outward.dot(next.point) - offset);
+        let (here, next) = (ring[i], ring[if i + 1 == ring.len() { 0 } else { i + 1 }]);
+        let (d_here, d_next) = (height(&here), height(&next));
         if d_here <= 0.0 {
             kept.push(here);
         }
@@ -92,26 +96,54 @@ fn clip_by_side(ring: &mut Ring, outward: Vec3, offset: f32, side: u32) {
     *ring = kept;
 }
 
+/// What the corners of a polygon are called in their shape.
+pub(crate) trait Sides {
+    /// Number of the face.
+    fn face(&self) -> u32;
+    /// How many corners it has.
+    fn count(&self) -> usize;
+    /// Number of the vertex in a corner.
+    fn vertex(&self, corner: usize) -> u32;
+    /// Number of the edge from a corner to the next.
+    fn edge(&self, corner: usize) -> u32;
+}
+
+impl Sides for Polygon {
+    fn face(&self) -> u32 {
+        self.face
+    }
+
+    fn count(&self) -> usize {
+        self.corners.len()
+    }
+
+    fn vertex(&self, corner: usize) -> u32 {
+        self.corners[corner].vertex
+    }
+
+    fn edge(&self, corner: usize) -> u32 {
+        self.corners[corner].edge
+    }
+}
+
 /// What touches what in the corner where side `before` ends and side `after` begins: (of reference, of incident).
-fn features(reference: &Polygon, incident: &Polygon, before: u32, after: u32) -> (Feature, Feature) {
+pub(crate) fn features(reference: &impl Sides, incident: &impl Sides, before: u32, after: u32) -> (Feature, Feature) {
+    let crossing = |reference_side: u32, incident_side: u32| {
+        let of_reference = reference.edge((reference_side & !REFERENCE) as usize);
+        (Feature::edge(of_reference), Feature::edge(incident.edge(incident_side as usize)))
+    };
     match (before & REFERENCE != 0, after & REFERENCE != 0) {
-        (false, false) => (Feature::face(reference.face), Feature::vertex(incident.corners[after as usize].vertex)),
-        (false, true) => crossing(reference, incident, after, before),
-        (true, false) => crossing(reference, incident, before, after),
+        (false, false) => (Feature::face(reference.face()), Feature::vertex(incident.vertex(after as usize))),
+        (false, true) => crossing(after, before),
+        (true, false) => crossing(before, after),
         (true, true) => {
             // Seen from the reference the incident polygon runs clockwise, so the side after is the side before in
             // the reference polygon, and the corner between them begins the latter.
             let (before, after) = ((before & !REFERENCE) as usize, (after & !REFERENCE) as usize);
-            let corner = if (after + 1) % reference.corners.len() == before { before } else { after };
-            (Feature::vertex(reference.corners[corner].vertex), Feature::face(incident.face))
+            let corner = if (after + 1) % reference.count() == before { before } else { after };
+            (Feature::vertex(reference.vertex(corner)), Feature::face(incident.face()))
         }
     }
-}
-
-fn crossing(reference: &Polygon, incident: &Polygon, reference_side: u32, incident_side: u32) -> (Feature, Feature) {
-    let of_reference = reference.corners[(reference_side & !REFERENCE) as usize].edge;
-    let of_incident = incident.corners[incident_side as usize].edge;
-    (Feature::edge(of_reference), Feature::edge(of_incident))
 }
 
 /// Nearest points of two segments, as parts s and t in [0, 1] of their lengths.

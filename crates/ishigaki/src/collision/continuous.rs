@@ -6,6 +6,7 @@
 //! time is lost then, never a wall. Option: `contact.sweep_threshold`; shown by `tests/tunnelling.rs`.
 
 use crate::body::{BodyState, ShapeState};
+use crate::collision::pair::Pair;
 use crate::math::{Pose, Vec3};
 use crate::options::WorldOptions;
 use crate::shape::Geometry;
@@ -52,18 +53,23 @@ pub(crate) fn time_of_impact(a: &Geometry, pose_a: &Pose, b: &Geometry, pose_b: 
 impl World {
     /// Stops continuous bodies where their path of this step would have led through something.
     pub(crate) fn stop_at_walls(&mut self) {
-        for i in 0..self.contacts.len() {
-            let contact = &self.contacts[i];
-            if contact.sensor {
+        if !self.bodies.iter().any(|(_, body)| body.continuous && body.is_active()) {
+            return;
+        }
+        // All pairs, not only those with points: where a row stops a body, nothing is left to do here.
+        for i in 0..self.pairs.len() {
+            let Pair { shape_a, shape_b, .. } = self.pairs[i];
+            let (shape_a, shape_b) = (self.shapes.at(shape_a), self.shapes.at(shape_b));
+            if shape_a.shape.sensor || shape_b.shape.sensor {
                 continue;
             }
-            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
+            let (body_a, body_b) = (shape_a.body, shape_b.body);
+            let (a, b) = (self.bodies.at(body_a), self.bodies.at(body_b));
             if !(a.continuous && a.is_active() || b.continuous && b.is_active()) {
                 continue;
             }
             let (moved_a, moved_b) = (a.center - start_center(a), b.center - start_center(b));
             let motion = moved_a - moved_b;
-            let (shape_a, shape_b) = (self.shapes.at(contact.shape_a), self.shapes.at(contact.shape_b));
             if !is_swept(a, b, shape_a, shape_b, motion, &self.options) {
                 continue;
             }
@@ -76,8 +82,7 @@ impl World {
             let (geometry_a, geometry_b) = (&shape_a.shape.geometry, &shape_b.shape.geometry);
             let Some(part) = time_of_impact(geometry_a, &pose_a, geometry_b, &pose_b, motion) else { continue };
             if part < 1.0 {
-                self.back_up(contact.body_a, moved_a, part);
-                let body_b = self.contacts[i].body_b;
+                self.back_up(body_a, moved_a, part);
                 self.back_up(body_b, moved_b, part);
             }
         }

@@ -70,6 +70,12 @@ impl FeatureId {
         Self { a, b }
     }
 
+    /// A number to sort names by, the same for A and B exchanged, and whether the feature of A is the greater.
+    pub(crate) const fn order(self) -> (u64, bool) {
+        let (a, b) = (self.a.0 as u64, self.b.0 as u64);
+        if a > b { (b << 32 | a, true) } else { (a << 32 | b, false) }
+    }
+
     /// The same contact with A and B exchanged.
     #[must_use]
     pub const fn swapped(self) -> Self {

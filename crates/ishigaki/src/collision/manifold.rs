@@ -74,7 +74,7 @@ pub struct Manifold {
     pub lambda_rolling: Vec3,
 }
 
-/// A pair of shapes that may touch, with what is remembered between steps.
+/// A pair of shapes with contact points, and what is remembered of them between steps.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Contact {
     /// Slots of the shapes; `shape_a < shape_b`.
@@ -92,8 +92,6 @@ pub struct Contact {
     pub(crate) rolling_friction: f32,
     /// Velocity of B's surface relative to A's by conveyors, world, m/s.
     pub(crate) surface_velocity: Vec3,
-    /// What the narrow phase remembers: the separating axis of the last step.
-    pub(crate) hint: u32,
     /// Neither makes contact; overlap is reported.
     pub(crate) sensor: bool,
     /// Had points (or overlap, for sensors) in the last step.
@@ -109,8 +107,8 @@ pub(crate) struct Frozen {
 }
 
 impl Contact {
-    /// A pair that the broad phase has just found.
-    pub(crate) fn new(shape_a: u32, shape_b: u32, body_a: u32, body_b: u32, sensor: bool) -> Self {
+    /// Without points.
+    pub(crate) fn new((shape_a, shape_b): (u32, u32), (body_a, body_b): (u32, u32), sensor: bool) -> Self {
         Self {
             shape_a,
             shape_b,
@@ -122,11 +120,15 @@ impl Contact {
             torsional_friction: 0.0,
             rolling_friction: 0.0,
             surface_velocity: Vec3::ZERO,
-            hint: 0,
             sensor,
             touching: false,
             frozen: None,
         }
+    }
+
+    /// Slots of the shapes: what the list of contacts is sorted by.
+    pub(crate) fn key(&self) -> (u32, u32) {
+        (self.shape_a, self.shape_b)
     }
 
     /// Manifolds with at least one point.

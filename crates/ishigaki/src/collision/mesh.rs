@@ -10,10 +10,9 @@ use crate::collision::feature_id::Feature;
 use crate::collision::narrow_phase::{LocalManifolds, with_polyhedron};
 use crate::collision::polyhedron::Polyhedron;
 use crate::collision::reduce::push_manifold;
-use crate::collision::round::{
-    PlacedCapsule, SegmentGap, capsule_points, nearest_on_polyhedron, push_ball_of_part, segment_gap,
-};
-use crate::collision::sat::{Axis, Pair, Source, Tolerance};
+use crate::collision::round::{PlacedCapsule, capsule_points, nearest_on_polyhedron, push_ball_of_part};
+use crate::collision::sat::{Axis, Pair, Points, Source, Tolerance};
+use crate::collision::segment::{SegmentGap, segment_gaps};
 use crate::collision::surface::{SurfaceTriangle, Verdict, for_each_triangle};
 use crate::math::{Pose, Vec3};
 use crate::shape::Geometry;
@@ -89,9 +88,8 @@ fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tole
     }
     let solid = triangle.solid.view();
     let front = solid.faces[0];
-    let Some(mut gap) = segment_gap(&solid, capsule.ends, tolerance.margin + capsule.radius, tolerance.axis) else {
-        return;
-    };
+    let Some(gaps) = segment_gaps(&solid, capsule.ends, tolerance.margin + capsule.radius) else { return };
+    let mut gap = gaps.choose(tolerance.axis);
     let verdict = match gap.feature.as_face() {
         Some(0) => Verdict::Allowed,
         Some(_) => Verdict::Forbidden,
@@ -114,7 +112,7 @@ fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tole
     let over_face_only = gap.feature.as_face().is_some();
     let mut points = capsule_points(&solid, capsule, &gap, tolerance, !over_face_only);
     triangle.drop_inner_points(&mut points);
-    push_manifold(-gap.direction, (triangle.index, 0), points, tolerance.clip, out);
+    push_manifold(-gap.direction, (triangle.index, 0), &mut points, tolerance.clip, out);
 }
 
 fn polyhedron(
@@ -134,15 +132,12 @@ fn polyhedron(
         Source::FaceA(_) => {
             pair.face_points(0, true, &mut points);
         }
-        Source::FaceB(face) => {
-            pair.face_points(face as usize, false, &mut points);
-        }
-        Source::Edges(of_triangle, of_solid) => {
-            points.push(pair.edge_point(of_triangle as usize, of_solid as usize, &chosen));
+        Source::FaceB(_) | Source::Edges(..) => {
+            pair.along(&chosen, &mut points);
         }
     }
     triangle.drop_inner_points(&mut points);
-    push_manifold(-chosen.direction, pair.part, points, tolerance.clip, out);
+    push_manifold(-chosen.direction, pair.part, &mut points, tolerance.clip, out);
 }
 
 /// The axis of least overlap that is allowed here; `None` if apart or if a neighbor has the contact.

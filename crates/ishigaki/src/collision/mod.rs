@@ -1,6 +1,7 @@
 //! From poses to contact points: broad phase, manifolds, semantic ids.
 
 mod box_box;
+mod box_clip;
 pub mod broad_phase;
 mod clip;
 mod continuous;
@@ -12,10 +13,13 @@ pub mod manifold;
 mod mesh;
 pub mod narrow_phase;
 mod other_pairs;
+pub(crate) mod pair;
 pub(crate) mod pairs;
 mod polyhedron;
+pub(crate) mod proxy;
 mod reduce;
 mod round;
 mod sat;
+mod segment;
 mod surface;
 pub(crate) mod update;

@@ -8,7 +8,7 @@ use crate::collision::other_pairs::other_pair;
 use crate::collision::polyhedron::{BoxPolyhedron, Polyhedron};
 use crate::collision::round::{
     PlacedCapsule, ball_ball, capsule_ball, capsule_capsule, nearest_on_box, nearest_on_polyhedron, polyhedron_ball,
-    polyhedron_capsule,
+    polyhedron_capsule, push_ball_of_part,
 };
 use crate::math::Pose;
 use crate::shape::Geometry;
@@ -82,10 +82,14 @@ fn find_ordered(
             let first = PlacedCapsule::new(*half_a, *radius_a, &Pose::IDENTITY);
             capsule_capsule(&first, &PlacedCapsule::new(*half_b, *radius_b, b_in_a), margin, out);
         }
-        (Cuboid { half_extents }, Ball { radius }) => with_polyhedron(a, |solid| {
+        (Cuboid { half_extents }, Ball { radius }) => {
             let nearest = nearest_on_box(*half_extents, center);
-            polyhedron_ball(&solid, nearest, (*radius, center), margin, length_scale, out);
-        }),
+            if nearest.feature.as_face().is_some() {
+                push_ball_of_part(nearest, *radius, center, margin, (0, 0), out);
+            } else if nearest.distance - radius <= margin {
+                with_polyhedron(a, |a| polyhedron_ball(&a, nearest, (*radius, center), margin, length_scale, out));
+            }
+        }
         (ConvexHull(hull), Ball { radius }) => {
             let nearest = nearest_on_polyhedron(&hull.view(), center);
             polyhedron_ball(&hull.view(), nearest, (*radius, center), margin, length_scale, out);

@@ -4,35 +4,52 @@
 //! The list of pairs is sorted by shape slots: its order does not depend on the tree.
 
 use crate::body::{BodyKind, BodyState, ShapeState};
-use crate::collision::manifold::Contact;
+use crate::collision::pair::{Pair, insert_pairs};
+use crate::collision::proxy::FatBounds;
 use crate::math::Vec3;
 use crate::world::World;
 
+/// Bounds reach as far as a shape gets in so many steps at its speed: fewer shapes are put into the tree anew, but more
+/// pairs are looked at.
+const STEPS_AHEAD: f32 = 3.0;
+
 impl World {
-    /// Updates bounds and the list of contacts; pairs whose bounds came apart are dropped.
+    /// Updates bounds and the list of pairs; pairs whose bounds came apart are dropped.
     pub(crate) fn find_pairs(&mut self, dt: f32) {
         let margin = self.options.contact.speculative_margin * self.options.length_scale;
         let fat = self.options.contact.bounds_margin * self.options.length_scale;
-        let moved = &mut self.scratch.moved_shapes;
+        let (moved, proxies) = (&mut self.scratch.moved_shapes, &mut self.scratch.proxies);
         moved.clear();
+        proxies.reset(self.shapes.slot_count());
         for (_, body) in self.bodies.iter() {
             let moves = body.is_active() || body.is_moving_kinematic();
             for &slot in &body.shapes {
                 let shape = self.shapes.at_mut(slot);
-                if !(moves || shape.moved) || body.broken {
+                proxies.bounds[slot as usize] = [FatBounds::of(shape); 2];
+                if body.broken {
                     continue;
                 }
-                let (min, max) = swept_bounds(shape, body, dt, margin);
+                let tight = proxies.enter(slot, shape, body, dt);
+                if !(moves || shape.moved) {
+                    continue;
+                }
+                let (min, max) = swept_bounds(tight, shape, body, dt, margin);
                 let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
                 if shape.moved || !inside {
-                    (shape.bounds_min, shape.bounds_max) = (min - fat, max + fat);
+                    let (low, high) = ahead(body, max - min, dt);
+                    (shape.bounds_min, shape.bounds_max) = (min + low - fat, max + high + fat);
+                    let before = if shape.moved { FatBounds::NOWHERE } else { proxies.bounds[slot as usize][0] };
+                    proxies.bounds[slot as usize] = [FatBounds::of(shape), before];
                     shape.moved = false;
-                    self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
                     moved.push(slot);
                 }
             }
         }
-        if !self.scratch.moved_shapes.is_empty() {
+        if !moved.is_empty() {
+            self.broad_phase.update_all(moved, |slot| {
+                let [now, _] = proxies.bounds[slot as usize];
+                (now.min, now.max)
+            });
             self.drop_parted_pairs();
             self.add_new_pairs();
         }
@@ -57,36 +74,40 @@ impl World {
     }
 
     fn drop_parted_pairs(&mut self) {
-        let (shapes, gone) = (&self.shapes, &mut self.scratch.gone_pairs);
-        gone.clear();
-        self.contacts.retain(|c| {
-            let (a, b) = (shapes.at(c.shape_a), shapes.at(c.shape_b));
-            let overlap = a.bounds_min.cmple(b.bounds_max).all() && b.bounds_min.cmple(a.bounds_max).all();
-            if !overlap && c.touching {
-                gone.push((c.shape_a, c.shape_b, c.sensor));
-            }
-            overlap
-        });
+        let bounds = &self.scratch.proxies.bounds;
+        self.pairs.retain(|p| bounds[p.shape_a as usize][0].touch(&bounds[p.shape_b as usize][0]));
+        self.drop_contacts_without_pair();
         self.end_gone_pairs();
     }
 
     /// Drops pairs that joints, exclusions or groups no longer allow.
     pub(crate) fn drop_forbidden_pairs(&mut self) {
-        let mut contacts = std::mem::take(&mut self.contacts);
-        self.scratch.gone_pairs.clear();
-        contacts.retain(|c| {
-            let keep = self.may_touch(c.shape_a, c.shape_b);
-            if !keep && c.touching {
-                self.scratch.gone_pairs.push((c.shape_a, c.shape_b, c.sensor));
-            }
-            keep
-        });
-        self.contacts = contacts;
+        let mut pairs = std::mem::take(&mut self.pairs);
+        pairs.retain(|p| self.may_touch(p.shape_a, p.shape_b));
+        self.pairs = pairs;
+        self.drop_contacts_without_pair();
         let first = self.events.len();
         self.end_gone_pairs();
         // Between steps: reported with the next one.
         let ended = self.events.split_off(first);
         self.pending_events.extend(ended);
+    }
+
+    fn drop_contacts_without_pair(&mut self) {
+        let gone = &mut self.scratch.gone_pairs;
+        gone.clear();
+        let mut pairs = self.pairs.iter().map(Pair::key);
+        let mut pair = pairs.next();
+        self.contacts.retain(|c| {
+            while pair.is_some_and(|key| key < c.key()) {
+                pair = pairs.next();
+            }
+            let keep = pair == Some(c.key());
+            if !keep && c.touching {
+                gone.push((c.shape_a, c.shape_b, c.sensor));
+            }
+            keep
+        });
     }
 
     fn end_gone_pairs(&mut self) {
@@ -105,18 +126,16 @@ impl World {
 
     fn add_new_pairs(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.new_pairs);
-        found.clear();
-        self.broad_phase.pairs_of(&self.scratch.moved_shapes, |a, b| self.may_touch(a, b), &mut found);
-        found.retain(|&pair| self.contacts.binary_search_by_key(&pair, |c| (c.shape_a, c.shape_b)).is_err());
-        if !found.is_empty() {
-            for &(a, b) in &found {
-                let (shape_a, shape_b) = (self.shapes.at(a), self.shapes.at(b));
-                let sensor = shape_a.shape.sensor || shape_b.shape.sensor;
-                self.contacts.push(Contact::new(a, b, shape_a.body, shape_b.body, sensor));
-            }
-            // Two sorted runs: the stable sort merges them in linear time.
-            self.contacts.sort_by_key(|c| (c.shape_a, c.shape_b));
-        }
+        let bounds = &self.scratch.proxies.bounds;
+        let is_new = |a: u32, b: u32| {
+            // If the bounds touched before, the pair is known, or forbidden; edits that change that also say `moved`.
+            let [before_a, before_b] = [a, b].map(|slot| &bounds[slot as usize][1]);
+            !before_a.touch(before_b) && self.may_touch(a, b)
+        };
+        self.broad_phase.pairs_of(&self.scratch.moved_shapes, is_new, &mut found);
+        // What moved because its user said so may know its pairs already.
+        found.retain(|pair| self.pairs.binary_search_by_key(pair, Pair::key).is_err());
+        insert_pairs(&mut self.pairs, &found);
         self.scratch.new_pairs = found;
     }
 
@@ -139,8 +158,7 @@ impl World {
 }
 
 /// Bounds over the coming step: where the shape is and where its velocity takes it.
-fn swept_bounds(shape: &ShapeState, body: &BodyState, dt: f32, margin: f32) -> (Vec3, Vec3) {
-    let (min, max) = shape.tight_bounds(body);
+fn swept_bounds((min, max): (Vec3, Vec3), shape: &ShapeState, body: &BodyState, dt: f32, margin: f32) -> (Vec3, Vec3) {
     if body.kind == BodyKind::Fixed {
         return (min, max);
     }
@@ -151,6 +169,13 @@ fn swept_bounds(shape: &ShapeState, body: &BodyState, dt: f32, margin: f32) -> (
     let swing = (angular_velocity.length() * reach * dt).min(reach);
     let (motion, pad) = (motion_in_step(body, dt), Vec3::splat(margin + swing));
     (min.min(min + motion) - pad, max.max(max + motion) + pad)
+}
+
+/// How much farther the bounds of a shape of this size reach, so that they hold for some steps.
+fn ahead(body: &BodyState, size: Vec3, dt: f32) -> (Vec3, Vec3) {
+    // Not farther than it is large: what is faster finds others in each step.
+    let reach = ((STEPS_AHEAD - 1.0) * motion_in_step(body, dt)).clamp(-size, size);
+    (reach.min(Vec3::ZERO), reach.max(Vec3::ZERO))
 }
 
 /// How far the center will move in the coming step, m.

@@ -236,6 +236,11 @@ pub(crate) fn box_corner(half: Vec3, vertex: u32) -> Vec3 {
     half * Vec3::new(sign(0), sign(1), sign(2))
 }
 
+/// Both ends of an edge of a box.
+pub(crate) fn box_edge_points(half: Vec3, edge: usize) -> [Vec3; 2] {
+    BOX_EDGES[edge].vertices.map(|vertex| box_corner(half, vertex))
+}
+
 const TRIANGLE_CORNER_VERTICES: [u32; 6] = [0, 1, 2, 0, 2, 1];
 /// Edge k runs from vertex k to the next.
 const TRIANGLE_CORNER_EDGES: [u32; 6] = [0, 1, 2, 2, 1, 0];

@@ -19,26 +19,58 @@ const LEAD: f32 = 1.02;
 pub(crate) fn push_manifold(
     normal: Vec3,
     part: (u32, u32),
-    mut candidates: Candidates,
+    candidates: &mut Candidates,
     tolerance: f32,
     out: &mut LocalManifolds,
 ) {
     // A point that is not a number would poison the whole world.
-    candidates.retain(|p| p.separation.is_finite() && p.on_a.is_finite() && p.on_b.is_finite());
-    // Of equal names the deeper stays.
-    // The order does not tell A from B, so that exchanging them changes no choice.
-    let name = |p: &LocalPoint| (p.id.a.min(p.id.b), p.id.a.max(p.id.b), p.id);
-    candidates.sort_by(|p, q| name(p).cmp(&name(q)).then(p.separation.total_cmp(&q.separation)));
-    candidates.dedup_by(|p, q| p.id == q.id);
+    let is_finite = |p: &LocalPoint| p.separation.is_finite() && p.on_a.is_finite() && p.on_b.is_finite();
+    if !candidates.iter().all(is_finite) {
+        candidates.retain(|p| is_finite(p));
+    }
     if candidates.is_empty() || !normal.is_finite() {
         return;
     }
+    sort_by_name(candidates);
+    candidates.dedup_by(|p, q| p.id == q.id);
     let points = if candidates.len() <= MAX_POINTS {
         candidates.iter().copied().collect()
     } else {
-        spread(normal, &candidates, tolerance)
+        spread(normal, candidates, tolerance)
     };
     out.push(LocalManifold { normal, points, part });
+}
+
+/// Sorts by name, of equal names the deeper first; a few points, which most manifolds have, without the library's means
+/// for many.
+fn sort_by_name(points: &mut [LocalPoint]) {
+    const FEW: usize = 8;
+    let before = |p: ((u64, bool), f32), q: ((u64, bool), f32)| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1));
+    let key = |p: &LocalPoint| (p.id.order(), p.separation);
+    if points.len() > FEW {
+        points.sort_by(|p, q| before(key(p), key(q)));
+        return;
+    }
+    let mut keys = [((0, false), 0.0); FEW];
+    for i in 0..points.len() {
+        let (point, new) = (points[i], key(&points[i]));
+        let mut place = i;
+        while place > 0 && before(new, keys[place - 1]).is_lt() {
+            (points[place], keys[place]) = (points[place - 1], keys[place - 1]);
+            place -= 1;
+        }
+        (points[place], keys[place]) = (point, new);
+    }
+}
+
+/// Appends the manifold of a single point.
+pub(crate) fn push_point(normal: Vec3, part: (u32, u32), point: LocalPoint, out: &mut LocalManifolds) {
+    let finite = [normal, point.on_a, point.on_b].iter().all(|v| v.is_finite()) && point.separation.is_finite();
+    if finite {
+        let mut points = ArrayVec::new();
+        points.push(point);
+        out.push(LocalManifold { normal, points, part });
+    }
 }
 
 fn spread(normal: Vec3, candidates: &[LocalPoint], tolerance: f32) -> ArrayVec<LocalPoint, MAX_POINTS> {

@@ -10,10 +10,11 @@ use crate::collision::feature_id::{Feature, FeatureId};
 use crate::collision::manifold::LocalPoint;
 use crate::collision::narrow_phase::LocalManifolds;
 use crate::collision::polyhedron::{Corner, Polygon, Polyhedron, box_edge, box_face, box_normal};
-use crate::collision::reduce::push_manifold;
+use crate::collision::reduce::{push_manifold, push_point};
 use crate::collision::sat::Tolerance;
+use crate::collision::segment::{SegmentGap, segment_gaps};
 use crate::math::{Pose, Vec3, tangents};
-use smallvec::smallvec;
+use smallvec::{SmallVec, smallvec};
 
 /// Sine of the angle below which a capsule lies along an edge or another capsule.
 const ALONG: f32 = 0.03;
@@ -88,8 +89,7 @@ pub(crate) fn push_ball_of_part(
     }
     let on_b = center - nearest.normal * radius;
     let id = FeatureId::new(nearest.feature, Feature::vertex(0));
-    let points = Candidates::from_slice(&[LocalPoint { on_a: nearest.point, on_b, separation, id }]);
-    push_manifold(-nearest.normal, part, points, 0.0, out);
+    push_point(-nearest.normal, part, LocalPoint { on_a: nearest.point, on_b, separation, id }, out);
 }
 
 fn segment_feature(height: f32, half_length: f32) -> Feature {
@@ -138,8 +138,10 @@ pub(crate) fn nearest_on_box(half: Vec3, point: Vec3) -> Nearest {
 /// The point of a polyhedron nearest to `point`.
 pub(crate) fn nearest_on_polyhedron(solid: &Polyhedron, point: Vec3) -> Nearest {
     let mut best = (0, f32::NEG_INFINITY);
+    let mut is_seen: SmallVec<[bool; 32]> = SmallVec::new();
     for (i, face) in solid.faces.iter().enumerate() {
         let distance = face.normal.dot(point) - face.offset;
+        is_seen.push(distance > 0.0);
         if distance > best.1 {
             best = (i, distance);
         }
@@ -155,8 +157,12 @@ pub(crate) fn nearest_on_polyhedron(solid: &Polyhedron, point: Vec3) -> Nearest 
         let feature = Feature::face(face as u32);
         return Nearest { point: point - normal * distance, normal, distance, feature };
     }
+    // No edge is nearest between two faces that look away.
     let mut nearest: Option<(f32, Vec3, Feature)> = None;
     for (i, edge) in solid.edges.iter().enumerate() {
+        if !edge.faces.iter().any(|&face| is_seen[face as usize]) {
+            continue;
+        }
         let [start, end] = solid.edge_points(i);
         let along = end - start;
         let part = (point - start).dot(along) / along.length_squared();
@@ -177,7 +183,7 @@ pub(crate) fn nearest_on_polyhedron(solid: &Polyhedron, point: Vec3) -> Nearest 
 }
 
 /// Whether the point projects into the face.
-fn is_over(solid: &Polyhedron, face: usize, point: Vec3) -> bool {
+pub(crate) fn is_over(solid: &Polyhedron, face: usize, point: Vec3) -> bool {
     let normal = solid.faces[face].normal;
     let corners = solid.face_vertices(face);
     corners.iter().enumerate().all(|(i, &corner)| {
@@ -263,7 +269,7 @@ pub(crate) fn capsule_capsule(a: &PlacedCapsule, b: &PlacedCapsule, margin: f32,
     if points.is_empty() {
         points.push(point(s, t, FeatureId::new(PlacedCapsule::feature(s), PlacedCapsule::feature(t))));
     }
-    push_manifold(-direction, (0, 0), points, 0.0, out);
+    push_manifold(-direction, (0, 0), &mut points, 0.0, out);
 }
 
 pub(crate) fn sine(a: Vec3, b: Vec3) -> f32 {
@@ -302,114 +308,6 @@ pub(crate) fn overlap_along(first: [Vec3; 2], second: [Vec3; 2]) -> Option<[Over
     Some([end(low, 0, ends[low] > 0.0), end(high, 1, ends[high] < 1.0)])
 }
 
-/// How a segment lies to a polyhedron.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct SegmentGap {
-    /// From the polyhedron to the segment, unit.
-    pub direction: Vec3,
-    /// m; negative where the segment is inside.
-    pub distance: f32,
-    /// Of the polyhedron.
-    pub feature: Feature,
-    pub on_solid: Vec3,
-    /// Part of the segment.
-    pub part: f32,
-}
-
-/// The nearest points of a segment and a polyhedron, or the axis of least overlap; `None` beyond `reach`.
-pub(crate) fn segment_gap(solid: &Polyhedron, ends: [Vec3; 2], reach: f32, tolerance: f32) -> Option<SegmentGap> {
-    // The best face: distance of the nearer end from its plane.
-    let mut face = (0, f32::NEG_INFINITY);
-    for (i, plane) in solid.faces.iter().enumerate() {
-        let low = plane.normal.dot(ends[0]).min(plane.normal.dot(ends[1])) - plane.offset;
-        if low > face.1 {
-            face = (i, low);
-        }
-    }
-    if face.1 > reach {
-        return None;
-    }
-    let normal = solid.faces[face.0].normal;
-    let near = (normal.dot(ends[1]) < normal.dot(ends[0])) as usize;
-    let over_face = SegmentGap {
-        direction: normal,
-        distance: face.1,
-        feature: Feature::face(face.0 as u32),
-        on_solid: ends[near] - normal * face.1,
-        part: near as f32,
-    };
-    let crossing = edge_crossing(solid, ends);
-    let deepest_axis = crossing.map_or(face.1, |gap| gap.distance.max(face.1));
-    let other = if deepest_axis > 0.0 { Some(nearest_apart(solid, ends, normal)) } else { crossing };
-    Some(match other {
-        // A capsule on a face stays on the face: two points instead of one.
-        Some(gap) if gap.distance > face.1 + tolerance => gap,
-        _ => over_face,
-    })
-}
-
-/// The best axis across an edge of the polyhedron and the segment.
-fn edge_crossing(solid: &Polyhedron, ends: [Vec3; 2]) -> Option<SegmentGap> {
-    let along = ends[1] - ends[0];
-    let mut best: Option<SegmentGap> = None;
-    for (i, edge) in solid.edges.iter().enumerate() {
-        let [start, end] = solid.edge_points(i);
-        let cross = (end - start).cross(along);
-        if sine(end - start, along) < 1e-3 {
-            continue;
-        }
-        let Some(unit) = cross.try_normalize() else { continue };
-        let normals = edge.faces.map(|f| solid.faces[f as usize].normal);
-        let direction = if unit.dot(normals[0] + normals[1]) >= 0.0 { unit } else { -unit };
-        // On the arc between the normals of the two faces.
-        let cosine = normals[0].dot(normals[1]);
-        if direction.dot(normals[0]) < cosine || direction.dot(normals[1]) < cosine {
-            continue;
-        }
-        let distance = direction.dot(ends[0] - start);
-        if best.is_none_or(|best| distance > best.distance) {
-            let (s, t) = nearest_on_segments([start, end], ends);
-            let feature = Feature::edge(i as u32);
-            best = Some(SegmentGap { direction, distance, feature, on_solid: start.lerp(end, s), part: t });
-        }
-    }
-    best
-}
-
-/// Nearest points of a polyhedron and a segment that does not enter it.
-fn nearest_apart(solid: &Polyhedron, ends: [Vec3; 2], fallback: Vec3) -> SegmentGap {
-    let of_end = |i: usize| {
-        let nearest = nearest_on_polyhedron(solid, ends[i]);
-        SegmentGap {
-            direction: nearest.normal,
-            distance: nearest.distance,
-            feature: nearest.feature,
-            on_solid: nearest.point,
-            part: i as f32,
-        }
-    };
-    let (first, second) = (of_end(0), of_end(1));
-    let mut best = if second.distance < first.distance { second } else { first };
-    for (i, edge) in solid.edges.iter().enumerate() {
-        let [start, end] = solid.edge_points(i);
-        let (s, t) = nearest_on_segments([start, end], ends);
-        let on_solid = start.lerp(end, s);
-        let gap = ends[0].lerp(ends[1], t) - on_solid;
-        let distance = gap.length();
-        // Clearly nearer, or the ends found it already.
-        if distance < (1.0 - 1e-6) * best.distance {
-            let feature = match s {
-                s if s <= 0.0 => Feature::vertex(edge.vertices[0]),
-                s if s >= 1.0 => Feature::vertex(edge.vertices[1]),
-                _ => Feature::edge(i as u32),
-            };
-            let direction = if distance > 1e-9 { gap / distance } else { fallback };
-            best = SegmentGap { direction, distance, feature, on_solid, part: t };
-        }
-    }
-    best
-}
-
 /// A polyhedron and a capsule in its frame.
 pub(crate) fn polyhedron_capsule(
     solid: &Polyhedron,
@@ -420,18 +318,21 @@ pub(crate) fn polyhedron_capsule(
 ) {
     let tolerance = Tolerance::new(margin, length_scale, solid.inner_radius.min(capsule.radius));
     let reach = margin + capsule.radius;
-    let Some(mut gap) = segment_gap(solid, capsule.ends, reach, tolerance.axis) else { return };
+    let Some(gaps) = segment_gaps(solid, capsule.ends, reach) else { return };
+    let mut gap = gaps.choose(tolerance.axis);
+    if gap.distance > reach {
+        return;
+    }
     let mut points = capsule_points(solid, capsule, &gap, &tolerance, false);
     let over_face = points.iter().any(|p| p.separation <= gap.distance - capsule.radius + tolerance.axis);
     if !over_face {
         // The deepest end is just beside the face it seemed to lie on.
-        let Some(nearest) = segment_gap(solid, capsule.ends, reach, 0.0) else { return };
-        gap = nearest;
+        gap = gaps.choose(0.0);
         points = capsule_points(solid, capsule, &gap, &tolerance, true);
         let skims = skims(solid, (gap.feature, gap.direction), &capsule.ends, capsule.radius, &tolerance);
         points.retain(|p| p.separation <= 0.0 || !skims);
     }
-    push_manifold(-gap.direction, (0, 0), points, tolerance.clip, out);
+    push_manifold(-gap.direction, (0, 0), &mut points, tolerance.clip, out);
 }
 
 /// Whether what comes near an edge or a vertex only skims over the plane of a face beside it: a floor of flush

@@ -182,40 +182,66 @@ pub(crate) struct Pair<'a> {
     pub tolerance: Tolerance,
 }
 
+/// How contact points are made from the axes of a pair.
+pub(crate) trait Points {
+    /// Appends the points along an axis; gives B's normal.
+    fn along(&self, axis: &Axis, points: &mut Candidates) -> Vec3;
+    /// Where clipping finds nothing though the shapes overlap: the deepest vertex of one against the plane of the other.
+    fn deepest(&self, axis: &Axis) -> LocalPoint;
+}
+
+/// Appends the manifold along `axis`; `greatest` is the greatest separation of all axes.
+///
+/// Where the deepest part is not over the face (only the preference for faces chose it), along the best edges.
+pub(crate) fn push_contact(
+    pair: &impl Points,
+    (axis, greatest): (&Axis, f32),
+    edges: impl FnOnce() -> Option<Axis>,
+    (part, tolerance): ((u32, u32), &Tolerance),
+    out: &mut LocalManifolds,
+) {
+    let mut points = Candidates::new();
+    let mut normal = pair.along(axis, &mut points);
+    let enough = axis.separation + EDGE_LEAD * axis.separation.abs() + tolerance.axis;
+    let deepest_found = points.iter().any(|p| p.separation <= enough);
+    // While they are apart, an empty face means that they pass each other.
+    if !deepest_found && (greatest <= 0.0 || !points.is_empty()) {
+        match edges() {
+            Some(edges) if edges.separation >= axis.separation => {
+                points.clear();
+                normal = pair.along(&edges, &mut points);
+            }
+            // What is apart must not seem farther apart than it is.
+            _ if greatest > 0.0 => points.clear(),
+            _ if points.is_empty() => points.push(pair.deepest(axis)),
+            _ => {}
+        }
+    }
+    push_manifold(normal, part, &mut points, tolerance.clip, out);
+}
+
+/// The greatest separation of these axes, m.
+pub(crate) fn greatest_separation<'a>(axes: impl IntoIterator<Item = &'a Axis>) -> f32 {
+    axes.into_iter().map(|axis| axis.separation).fold(f32::NEG_INFINITY, f32::max)
+}
+
+/// The point where two edges pass each other, in the frame of A.
+pub(crate) fn edge_point(
+    (edge_a, of_a): (u32, [Vec3; 2]),
+    (edge_b, of_b): (u32, [Vec3; 2]),
+    direction: Vec3,
+) -> LocalPoint {
+    let (s, t) = nearest_on_segments(of_a, of_b);
+    let (on_a, on_b) = (of_a[0].lerp(of_a[1], s), of_b[0].lerp(of_b[1], t));
+    let id = FeatureId::new(Feature::edge(edge_a), Feature::edge(edge_b));
+    LocalPoint { on_a, on_b, separation: (on_b - on_a).dot(direction), id }
+}
+
 impl Pair<'_> {
     /// Appends the manifold along `axis`, one of `faces` or `edges`.
-    ///
-    /// Where the deepest part is not over the face (only the preference for faces chose it), along the best edges.
     pub fn push_contact(&self, axis: &Axis, faces: &[Axis], edges: Option<Axis>, out: &mut LocalManifolds) {
-        let (mut normal, mut points) = self.points(axis);
-        let greatest = faces.iter().chain(&edges).map(|axis| axis.separation).fold(f32::NEG_INFINITY, f32::max);
-        let enough = axis.separation + EDGE_LEAD * axis.separation.abs() + self.tolerance.axis;
-        let deepest_found = points.iter().any(|p| p.separation <= enough);
-        // While they are apart, an empty face means that they pass each other.
-        if !deepest_found && (greatest <= 0.0 || !points.is_empty()) {
-            match edges {
-                Some(edges) if edges.separation >= axis.separation => (normal, points) = self.points(&edges),
-                // What is apart must not seem farther apart than it is.
-                _ if greatest > 0.0 => points.clear(),
-                _ if points.is_empty() => points.push(self.deepest_point(axis)),
-                _ => {}
-            }
-        }
-        push_manifold(normal, self.part, points, self.tolerance.clip, out);
-    }
-
-    /// B's normal and the points along an axis.
-    fn points(&self, axis: &Axis) -> (Vec3, Candidates) {
-        let mut points = Candidates::new();
-        let normal = match axis.source {
-            Source::FaceA(face) => self.face_points(face as usize, true, &mut points),
-            Source::FaceB(face) => self.face_points(face as usize, false, &mut points),
-            Source::Edges(edge_a, edge_b) => {
-                points.push(self.edge_point(edge_a as usize, edge_b as usize, axis));
-                -axis.direction
-            }
-        };
-        (normal, points)
+        let greatest = greatest_separation(faces.iter().chain(&edges));
+        push_contact(self, (axis, greatest), || edges, (self.part, &self.tolerance), out);
     }
 
     /// Contact points over a face; gives B's normal.
@@ -234,19 +260,22 @@ impl Pair<'_> {
             reference.normal
         }
     }
+}
 
-    /// The point where two edges pass each other.
-    pub fn edge_point(&self, edge_a: usize, edge_b: usize, axis: &Axis) -> LocalPoint {
-        let of_a = self.a.edge_points(edge_a);
-        let of_b = self.b.edge_points(edge_b).map(|p| *self.b_in_a * p);
-        let (s, t) = nearest_on_segments(of_a, of_b);
-        let (on_a, on_b) = (of_a[0].lerp(of_a[1], s), of_b[0].lerp(of_b[1], t));
-        let id = FeatureId::new(Feature::edge(edge_a as u32), Feature::edge(edge_b as u32));
-        LocalPoint { on_a, on_b, separation: (on_b - on_a).dot(axis.direction), id }
+impl Points for Pair<'_> {
+    fn along(&self, axis: &Axis, points: &mut Candidates) -> Vec3 {
+        match axis.source {
+            Source::FaceA(face) => self.face_points(face as usize, true, points),
+            Source::FaceB(face) => self.face_points(face as usize, false, points),
+            Source::Edges(edge_a, edge_b) => {
+                let of_b = self.b.edge_points(edge_b as usize).map(|p| *self.b_in_a * p);
+                points.push(edge_point((edge_a, self.a.edge_points(edge_a as usize)), (edge_b, of_b), axis.direction));
+                -axis.direction
+            }
+        }
     }
 
-    /// Where clipping finds nothing though the shapes overlap: the deepest vertex of one against the plane of the other.
-    fn deepest_point(&self, axis: &Axis) -> LocalPoint {
+    fn deepest(&self, axis: &Axis) -> LocalPoint {
         let into_b = self.b_in_a.rotation.inverse() * axis.direction;
         let depth = axis.direction * axis.separation;
         if matches!(axis.source, Source::FaceB(_)) {

@@ -4,12 +4,14 @@ use crate::body::{BodyState, ShapeState};
 use crate::collision::continuous;
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
+use crate::collision::pair::{Pair, insert_contacts};
 use crate::collision::pairs::motion_in_step;
+use crate::collision::proxy::Proxies;
 use crate::constraint::contact::share_evenly;
 use crate::event::Event;
 use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
-use crate::math::{Pose, Vec3};
+use crate::math::{Mat3, Pose, Vec3};
 use crate::options::WorldOptions;
 use crate::world::World;
 use smallvec::SmallVec;
@@ -21,46 +23,120 @@ impl World {
     /// Refreshes every pair that has a moving body and is not frozen; reports touching that began or ended.
     pub(crate) fn update_contacts(&mut self, dt: f32, hooks: Option<&mut (dyn ContactHooks + '_)>) {
         let mut hooks = hooks;
+        let mut pairs = std::mem::take(&mut self.pairs);
         let mut contacts = std::mem::take(&mut self.contacts);
         let mut scratch = std::mem::take(&mut self.scratch.narrow);
-        for contact in &mut contacts {
-            self.update_contact(contact, dt, &mut scratch, &mut hooks);
+        let proxies = std::mem::take(&mut self.scratch.proxies);
+        let mut search = Search {
+            margin: self.options.contact.speculative_margin * self.options.length_scale,
+            proxies: &proxies,
+            dt,
+            scratch: &mut scratch,
+        };
+        let mut known = contacts.iter_mut().peekable();
+        let mut emptied = false;
+        for pair in &mut pairs {
+            match known.next_if(|contact| contact.key() == pair.key()) {
+                Some(contact) => {
+                    self.update_contact(pair, contact, &mut search, &mut hooks);
+                    emptied |= contact.manifolds.is_empty();
+                }
+                None => self.look_for_contact(pair, &mut search, &mut hooks),
+            }
         }
+        if emptied {
+            contacts.retain(|contact| !contact.manifolds.is_empty());
+        }
+        insert_contacts(&mut contacts, &mut scratch.new_contacts);
+        self.scratch.proxies = proxies;
         self.scratch.narrow = scratch;
         self.contacts = contacts;
+        self.pairs = pairs;
     }
 
+    /// A pair that has had contact points.
     fn update_contact(
         &mut self,
+        pair: &mut Pair,
         contact: &mut Contact,
-        dt: f32,
-        scratch: &mut NarrowScratch,
+        search: &mut Search<'_>,
         hooks: &mut Option<&mut (dyn ContactHooks + '_)>,
     ) {
         let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
-        let (shape_a, shape_b) = (self.shapes.at(contact.shape_a), self.shapes.at(contact.shape_b));
         if a.broken || b.broken {
             contact.manifolds.clear();
         } else if a.is_stirring() || b.is_stirring() {
-            mix_materials(contact, a, b, shape_a, shape_b);
+            let (shape_a, shape_b) = (self.shapes.at(contact.shape_a), self.shapes.at(contact.shape_b));
             let options = &self.options;
-            if aggressive_sleep::stays_frozen(contact, a, b, options) {
+            if aggressive_sleep::stays_frozen(contact.frozen.as_ref(), a, b, options) {
                 self.report.frozen += 1;
             } else {
                 contact.frozen = None;
-                self.report.narrow_phase_calls += 1;
-                find_points(contact, a, b, shape_a, shape_b, dt, options, scratch);
-                self.report.ids_matched += scratch.matched;
-                self.report.ids_expected += scratch.expected;
-                aggressive_sleep::freeze_if_at_rest(contact, a, b, options);
+                if search.proxies.are_apart(pair.key(), search.margin) {
+                    contact.manifolds.clear();
+                } else {
+                    self.report.narrow_phase_calls += 1;
+                    let lead = search.find(pair, (a, b), (shape_a, shape_b), options);
+                    let (matched, expected) = search.fill(contact, lead, a.center, b.center);
+                    self.report.ids_matched += matched;
+                    self.report.ids_expected += expected;
+                    if !contact.sensor {
+                        contact.frozen = aggressive_sleep::freeze_if_at_rest(a, b, options);
+                    }
+                }
             }
-            let closed = CLOSED * self.options.length_scale;
-            contact.manifolds.iter_mut().for_each(|m| share_evenly(m, closed));
+            if !contact.manifolds.is_empty() {
+                mix_materials(contact, a, b, shape_a, shape_b);
+                let closed = CLOSED * self.options.length_scale;
+                contact.manifolds.iter_mut().for_each(|m| share_evenly(m, closed));
+            }
         } else {
             return; // both asleep or fixed: nothing changed
         }
         self.ask_hooks(contact, hooks);
         self.notice_touching(contact);
+        // Without points it is forgotten, but that it rests is not.
+        pair.frozen = if contact.manifolds.is_empty() { contact.frozen } else { None };
+    }
+
+    /// A pair without contact points.
+    fn look_for_contact(
+        &mut self,
+        pair: &mut Pair,
+        search: &mut Search<'_>,
+        hooks: &mut Option<&mut (dyn ContactHooks + '_)>,
+    ) {
+        if search.proxies.are_apart(pair.key(), search.margin) {
+            pair.frozen = None;
+            return;
+        }
+        let body = |slot: u32| self.bodies.at(search.proxies.motions[slot as usize].body);
+        let (a, b) = (body(pair.shape_a), body(pair.shape_b));
+        if a.broken || b.broken || !(a.is_stirring() || b.is_stirring()) {
+            return;
+        }
+        let options = &self.options;
+        if aggressive_sleep::stays_frozen(pair.frozen.as_ref(), a, b, options) {
+            self.report.frozen += 1;
+            return;
+        }
+        self.report.narrow_phase_calls += 1;
+        let (shape_a, shape_b) = (self.shapes.at(pair.shape_a), self.shapes.at(pair.shape_b));
+        let lead = search.find(pair, (a, b), (shape_a, shape_b), options);
+        let sensor = shape_a.shape.sensor || shape_b.shape.sensor;
+        pair.frozen = if sensor { None } else { aggressive_sleep::freeze_if_at_rest(a, b, options) };
+        if search.scratch.found.iter().all(|m| m.points.is_empty()) {
+            return;
+        }
+        let mut contact = Contact::new(pair.key(), (shape_a.body, shape_b.body), sensor);
+        search.fill(&mut contact, lead, a.center, b.center);
+        contact.frozen = pair.frozen.take();
+        mix_materials(&mut contact, a, b, shape_a, shape_b);
+        self.ask_hooks(&mut contact, hooks);
+        self.notice_touching(&mut contact);
+        if !contact.manifolds.is_empty() {
+            search.scratch.new_contacts.push(contact);
+        }
     }
 
     fn ask_hooks(&self, contact: &mut Contact, hooks: &mut Option<&mut (dyn ContactHooks + '_)>) {
@@ -136,113 +212,128 @@ impl World {
 pub(crate) struct NarrowScratch {
     found: LocalManifolds,
     old: SmallVec<[Manifold; 1]>,
-    matched: usize,
-    expected: usize,
+    new_contacts: Vec<Contact>,
+}
+
+/// The search for contact points in this step.
+struct Search<'a> {
+    proxies: &'a Proxies,
+    /// Speculative margin of slow pairs, m.
+    margin: f32,
+    dt: f32,
+    scratch: &'a mut NarrowScratch,
+}
+
+/// Where shape A was when points were found.
+struct Lead {
+    pose_a: Pose,
+    /// How far it was moved for that, m.
+    moved: Vec3,
 }
 
 /// The moment of impact is looked at this far into the touch, as a part of the thinner body's inner radius.
 const INTO: f32 = 0.05;
 
-#[expect(clippy::too_many_arguments, reason = "plain values of one pair; a struct would name them twice")]
-fn find_points(
-    contact: &mut Contact,
-    a: &BodyState,
-    b: &BodyState,
-    shape_a: &ShapeState,
-    shape_b: &ShapeState,
-    dt: f32,
-    options: &WorldOptions,
-    scratch: &mut NarrowScratch,
-) {
-    let (pose_a, pose_b) = (shape_a.world_from_shape(a), shape_b.world_from_shape(b));
-    let motion = motion_in_step(a, dt) - motion_in_step(b, dt);
-    let margin = if contact.sensor { 0.0 } else { speculative_margin(motion, shape_a, shape_b, options) };
-    let (geometry_a, geometry_b) = (&shape_a.shape.geometry, &shape_b.shape.geometry);
-    let b_in_a = pose_a.inverse() * pose_b;
-    find_manifolds(
-        geometry_a,
-        geometry_b,
-        &b_in_a,
-        margin,
-        options.length_scale,
-        &mut contact.hint,
-        &mut scratch.found,
-    );
+impl Search<'_> {
+    /// Finds the points of a pair, in the scratch's list.
+    fn find(
+        &mut self,
+        pair: &mut Pair,
+        (a, b): (&BodyState, &BodyState),
+        (shape_a, shape_b): (&ShapeState, &ShapeState),
+        options: &WorldOptions,
+    ) -> Lead {
+        let [slot_a, slot_b] = [pair.shape_a as usize, pair.shape_b as usize];
+        let (pose_a, pose_b) = (self.proxies.poses[slot_a], self.proxies.poses[slot_b]);
+        let (traits_a, traits_b) = (self.proxies.shapes[slot_a].traits, self.proxies.shapes[slot_b].traits);
+        let margin = self.proxies.margin(pair.key(), self.margin);
+        let (geometry_a, geometry_b) = (&shape_a.shape.geometry, &shape_b.shape.geometry);
+        let found = &mut self.scratch.found;
+        let b_in_a = pose_a.inverse() * pose_b;
+        find_manifolds(geometry_a, geometry_b, &b_in_a, margin, options.length_scale, &mut pair.hint, found);
 
-    let mut lead = Vec3::ZERO;
-    let mut pose_at_hit = pose_a;
-    if !contact.sensor
-        && scratch.found.iter().all(|m| m.points.is_empty())
-        && continuous::is_swept(a, b, shape_a, shape_b, motion, options)
-        && let Some(part) = continuous::time_of_impact(geometry_a, &pose_a, geometry_b, &pose_b, motion)
-    {
-        // The manifold of the moment of impact; its gap is what the motion until then takes away. A little past it:
-        // at the touch itself rounding decides whether there is a contact.
-        lead = motion * part + motion.normalize_or_zero() * (INTO * continuous::thinness(shape_a, shape_b));
-        pose_at_hit.translation += lead;
-        let b_at_hit = pose_at_hit.inverse() * pose_b;
-        let margin = options.contact.speculative_margin * options.length_scale;
-        find_manifolds(
-            geometry_a,
-            geometry_b,
-            &b_at_hit,
-            margin,
-            options.length_scale,
-            &mut contact.hint,
-            &mut scratch.found,
-        );
-    }
-
-    std::mem::swap(&mut contact.manifolds, &mut scratch.old);
-    contact.manifolds.clear();
-    (scratch.matched, scratch.expected) = (0, 0);
-    for found in scratch.found.iter().filter(|m| !m.points.is_empty()) {
-        let mut manifold = to_world(found, &pose_at_hit, lead, a.center, b.center);
-        if let Some(old) = scratch.old.iter().find(|m| m.part == manifold.part) {
-            scratch.expected += manifold.points.len();
-            scratch.matched += carry_impulses(&mut manifold, old);
+        let mut lead = Lead { pose_a, moved: Vec3::ZERO };
+        let may_sweep = traits_a.continuous || traits_b.continuous;
+        if !may_sweep || traits_a.sensor || traits_b.sensor || found.iter().any(|m| !m.points.is_empty()) {
+            return lead;
         }
-        contact.manifolds.push(manifold);
+        let motion = motion_in_step(a, self.dt) - motion_in_step(b, self.dt);
+        if continuous::is_swept(a, b, shape_a, shape_b, motion, options)
+            && let Some(part) = continuous::time_of_impact(geometry_a, &pose_a, geometry_b, &pose_b, motion)
+        {
+            // The manifold of the moment of impact; its gap is what the motion until then takes away. A little past it:
+            // at the touch itself rounding decides whether there is a contact.
+            lead.moved = motion * part + motion.normalize_or_zero() * (INTO * continuous::thinness(shape_a, shape_b));
+            lead.pose_a.translation += lead.moved;
+            let b_at_hit = lead.pose_a.inverse() * pose_b;
+            let (margin, scale) = (self.margin, options.length_scale);
+            find_manifolds(geometry_a, geometry_b, &b_at_hit, margin, scale, &mut pair.hint, found);
+        }
+        lead
     }
-    scratch.old.clear();
+
+    /// Gives a contact the points found, with the impulses of those it had; how many were found again, of how many.
+    fn fill(&mut self, contact: &mut Contact, lead: Lead, center_a: Vec3, center_b: Vec3) -> (usize, usize) {
+        let NarrowScratch { found, old, .. } = &mut *self.scratch;
+        let place = |found: &LocalManifold, old: Option<&Manifold>| to_world(found, &lead, (center_a, center_b), old);
+        // Most contacts have one manifold and keep it: it is replaced where it is.
+        if let ([found], [manifold]) = (&found[..], &mut contact.manifolds[..])
+            && found.part == manifold.part
+            && !found.points.is_empty()
+        {
+            let (new, matched) = place(found, Some(manifold));
+            *manifold = new;
+            return (matched, found.points.len());
+        }
+        std::mem::swap(&mut contact.manifolds, old);
+        contact.manifolds.clear();
+        let (mut matched, mut expected) = (0, 0);
+        for found in found.iter().filter(|m| !m.points.is_empty()) {
+            let old = old.iter().find(|m| m.part == found.part);
+            let (manifold, again) = place(found, old);
+            matched += again;
+            expected += if old.is_some() { manifold.points.len() } else { 0 };
+            contact.manifolds.push(manifold);
+        }
+        old.clear();
+        (matched, expected)
+    }
 }
 
-/// Contacts are made up to the margin, or as far as a step takes the pair, but not farther than the bodies
-/// are thick: beyond that a plane is a bad picture of a surface, and fast bodies should be `continuous`.
-fn speculative_margin(motion: Vec3, a: &ShapeState, b: &ShapeState, options: &WorldOptions) -> f32 {
-    let thick = a.inner_radius.max(b.inner_radius);
-    let margin = options.contact.speculative_margin * options.length_scale;
-    margin.max(motion.length().min(thick))
-}
-
-/// From the frame of shape A to arms in the world; `lead` is how far A was moved for the search.
-fn to_world(found: &LocalManifold, pose_a: &Pose, lead: Vec3, center_a: Vec3, center_b: Vec3) -> Manifold {
+/// From the frame of shape A to arms in the world, with the impulses of the last step for points with the same name;
+/// how many points had one.
+fn to_world(
+    found: &LocalManifold,
+    lead: &Lead,
+    (center_a, center_b): (Vec3, Vec3),
+    old: Option<&Manifold>,
+) -> (Manifold, usize) {
+    let pose_a = &lead.pose_a;
+    let turn = Mat3::from_quat(pose_a.rotation);
     let normal = pose_a.rotation * found.normal;
-    let points = found.points.iter().map(|p| ContactPoint {
-        arm_a: pose_a.transform_point(p.on_a) - lead - center_a,
-        arm_b: pose_a.transform_point(p.on_b) - center_b,
-        separation: p.separation - lead.dot(normal),
-        id: p.id,
-        lambda_normal: 0.0,
-        lambda_friction: Vec3::ZERO,
-        impulse: 0.0,
-    });
-    Manifold { normal, points: points.collect(), part: found.part, lambda_torsion: 0.0, lambda_rolling: Vec3::ZERO }
-}
-
-/// Hands the impulses of the last step to the points with the same name; gives the number of points found again.
-fn carry_impulses(manifold: &mut Manifold, old: &Manifold) -> usize {
-    manifold.lambda_torsion = old.lambda_torsion;
-    manifold.lambda_rolling = old.lambda_rolling;
+    let (from_a, from_b) = (pose_a.translation - lead.moved - center_a, pose_a.translation - center_b);
     let mut matched = 0;
-    for point in &mut manifold.points {
-        if let Some(last) = old.points.iter().find(|p| p.id == point.id) {
-            point.lambda_normal = last.lambda_normal;
-            point.lambda_friction = last.lambda_friction;
-            matched += 1;
+    let points = found.points.iter().map(|p| {
+        let last = old.and_then(|old| old.points.iter().find(|last| last.id == p.id));
+        matched += usize::from(last.is_some());
+        ContactPoint {
+            arm_a: turn * p.on_a + from_a,
+            arm_b: turn * p.on_b + from_b,
+            separation: p.separation - lead.moved.dot(normal),
+            id: p.id,
+            lambda_normal: last.map_or(0.0, |last| last.lambda_normal),
+            lambda_friction: last.map_or(Vec3::ZERO, |last| last.lambda_friction),
+            impulse: 0.0,
         }
-    }
-    matched
+    });
+    let manifold = Manifold {
+        normal,
+        points: points.collect(),
+        part: found.part,
+        lambda_torsion: old.map_or(0.0, |old| old.lambda_torsion),
+        lambda_rolling: old.map_or(Vec3::ZERO, |old| old.lambda_rolling),
+    };
+    (manifold, matched)
 }
 
 fn mix_materials(contact: &mut Contact, a: &BodyState, b: &BodyState, shape_a: &ShapeState, shape_b: &ShapeState) {
@@ -251,5 +342,9 @@ fn mix_materials(contact: &mut Contact, a: &BodyState, b: &BodyState, shape_a: &
     contact.restitution = m.restitution_combine.mix(n.restitution_combine, m.restitution, n.restitution);
     contact.torsional_friction = m.torsional_friction.max(n.torsional_friction);
     contact.rolling_friction = m.rolling_friction.max(n.rolling_friction);
-    contact.surface_velocity = b.rotation * n.surface_velocity - a.rotation * m.surface_velocity;
+    contact.surface_velocity = if m.surface_velocity == Vec3::ZERO && n.surface_velocity == Vec3::ZERO {
+        Vec3::ZERO
+    } else {
+        b.rotation * n.surface_velocity - a.rotation * m.surface_velocity
+    };
 }

@@ -9,15 +9,15 @@
 //! Option: `rest.aggressive_sleep`; shown by `tests/aggressive_sleep.rs`.
 
 use crate::body::{BodyKind, BodyState};
-use crate::collision::manifold::{Contact, Frozen};
+use crate::collision::manifold::Frozen;
 use crate::math::{Pose, vector_from_rotation};
 use crate::options::{AggressiveSleep, WorldOptions};
 
 // ANCHOR: stays_frozen
 /// Whether the pair keeps its rows in this step.
-pub(crate) fn stays_frozen(contact: &Contact, a: &BodyState, b: &BodyState, options: &WorldOptions) -> bool {
+pub(crate) fn stays_frozen(frozen: Option<&Frozen>, a: &BodyState, b: &BodyState, options: &WorldOptions) -> bool {
     let settings = &options.rest.aggressive_sleep;
-    let Some(frozen) = &contact.frozen else { return false };
+    let Some(frozen) = frozen else { return false };
     if !settings.enabled || !at_rest(a, settings) || !at_rest(b, settings) {
         return false;
     }
@@ -29,12 +29,11 @@ pub(crate) fn stays_frozen(contact: &Contact, a: &BodyState, b: &BodyState, opti
 }
 // ANCHOR_END: stays_frozen
 
-/// Freezes a pair whose rows have just been refreshed, if both bodies are at rest.
-pub(crate) fn freeze_if_at_rest(contact: &mut Contact, a: &BodyState, b: &BodyState, options: &WorldOptions) {
+/// How to freeze a pair, no sensor, whose rows have just been refreshed; `None` unless both bodies are at rest.
+pub(crate) fn freeze_if_at_rest(a: &BodyState, b: &BodyState, options: &WorldOptions) -> Option<Frozen> {
     let settings = &options.rest.aggressive_sleep;
-    if settings.enabled && !contact.sensor && at_rest(a, settings) && at_rest(b, settings) {
-        contact.frozen = Some(Frozen { b_in_a: relative_pose(a, b) });
-    }
+    let rest = settings.enabled && at_rest(a, settings) && at_rest(b, settings);
+    rest.then(|| Frozen { b_in_a: relative_pose(a, b) })
 }
 
 /// Counts slow steps. Speeds scale with the root of the length, angular speeds with its inverse.

@@ -1,0 +1,88 @@
+//! What is kept of a pair of shapes whose bounds overlap: little, since most such pairs never touch.
+//!
+//! Only pairs with contact points have a [`Contact`](crate::collision::manifold::Contact), which is some ten times
+//! as large. Both lists are sorted by (shape_a, shape_b), and every contact has its pair.
+
+use crate::collision::manifold::{Contact, Frozen};
+use serde::{Deserialize, Serialize};
+
+/// A pair of shapes whose fat bounds overlap.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub(crate) struct Pair {
+    /// Slots of the shapes; `shape_a < shape_b`.
+    pub shape_a: u32,
+    pub shape_b: u32,
+    /// What the narrow phase remembers: the separating axis of the last step.
+    pub hint: u32,
+    /// Set while a pair without contact points is frozen by aggressive sleep; those with points know it themselves.
+    pub frozen: Option<Frozen>,
+}
+
+impl Pair {
+    /// As the broad phase has just found it.
+    pub fn new((shape_a, shape_b): (u32, u32)) -> Self {
+        Self { shape_a, shape_b, hint: 0, frozen: None }
+    }
+
+    pub fn key(&self) -> (u32, u32) {
+        (self.shape_a, self.shape_b)
+    }
+}
+
+/// Puts the sorted `new` pairs into the sorted `pairs`; none of them is there yet.
+pub(crate) fn insert_pairs(pairs: &mut Vec<Pair>, new: &[(u32, u32)]) {
+    let mut rest = pairs.len();
+    pairs.extend(new.iter().map(|&key| Pair::new(key)));
+    // From the back, each pair moves at most once.
+    for (i, &key) in new.iter().enumerate().rev() {
+        while rest > 0 && pairs[rest - 1].key() > key {
+            pairs[rest + i] = pairs[rest - 1];
+            rest -= 1;
+        }
+        pairs[rest + i] = Pair::new(key);
+    }
+}
+
+/// Puts the sorted `new` contacts into the sorted `contacts`, and empties `new`.
+pub(crate) fn insert_contacts(contacts: &mut Vec<Contact>, new: &mut Vec<Contact>) {
+    let mut rest = contacts.len();
+    // Contacts are large: as above they move at most once, changing places with the new ones at the end.
+    contacts.append(new);
+    if rest == 0 || contacts.get(rest).is_none_or(|first| contacts[rest - 1].key() < first.key()) {
+        return;
+    }
+    new.extend(contacts.drain(rest..));
+    contacts.extend((0..new.len()).map(|_| Contact::new((0, 0), (0, 0), false)));
+    while let Some(contact) = new.pop() {
+        let key = contact.key();
+        while rest > 0 && contacts[rest - 1].key() > key {
+            contacts.swap(rest + new.len(), rest - 1);
+            rest -= 1;
+        }
+        let place = rest + new.len();
+        contacts[place] = contact;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All ways to deal six keys to two lists.
+    #[test]
+    fn lists_are_merged_in_order() {
+        let keys: Vec<(u32, u32)> = (0..6).map(|i| (i / 3, 3 + i)).collect();
+        for dealt in 0..64_u32 {
+            let (new, old): (Vec<_>, Vec<_>) = keys.iter().partition(|key| dealt >> (key.1 - 3) & 1 == 1);
+            let mut pairs: Vec<Pair> = old.iter().map(|&key: &(u32, u32)| Pair { hint: 7, ..Pair::new(key) }).collect();
+            insert_pairs(&mut pairs, &new);
+            assert!(pairs.iter().map(Pair::key).eq(keys.iter().copied()), "{dealt}");
+            assert!(pairs.iter().all(|p| (p.hint == 7) == old.contains(&p.key())));
+            let make = |keys: &[(u32, u32)]| keys.iter().map(|&key| Contact::new(key, key, false)).collect::<Vec<_>>();
+            let (mut contacts, mut fresh) = (make(&old), make(&new));
+            insert_contacts(&mut contacts, &mut fresh);
+            assert!(contacts.iter().map(Contact::key).eq(keys.iter().copied()) && fresh.is_empty(), "{dealt}");
+            assert!(contacts.iter().all(|c| (c.body_a, c.body_b) == c.key()));
+        }
+    }
+}
