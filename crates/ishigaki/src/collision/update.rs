@@ -13,11 +13,9 @@ use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
 use crate::math::{Mat3, Pose, Vec3};
 use crate::options::WorldOptions;
+use crate::solver::penetration_recovery::DEADBAND;
 use crate::world::World;
 use smallvec::SmallVec;
-
-/// Points up to this apart may bear a part of the load: what rounding leaves of a gap, × length scale.
-const CLOSED: f32 = 1e-5;
 
 impl World {
     /// Refreshes every pair that has a moving body and is not frozen; reports touching that began or ended.
@@ -87,7 +85,7 @@ impl World {
             }
             if !contact.manifolds.is_empty() {
                 mix_materials(contact, a, b, shape_a, shape_b);
-                let closed = CLOSED * self.options.length_scale;
+                let closed = DEADBAND * self.options.length_scale;
                 contact.manifolds.iter_mut().for_each(|m| share_evenly(m, closed));
             }
         } else {

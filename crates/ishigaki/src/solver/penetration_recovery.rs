@@ -9,7 +9,7 @@ use crate::options::PenetrationRecovery;
 use crate::solver::slop;
 
 /// Gaps up to this are closed contacts, × length scale.
-const DEADBAND: f32 = 1e-4;
+pub(crate) const DEADBAND: f32 = 1e-4;
 
 /// Recovery in the units of one world.
 #[derive(Clone, Copy, Debug)]

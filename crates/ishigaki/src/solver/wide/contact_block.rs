@@ -5,6 +5,7 @@
 //! normals several times against each other through K = J'J'ᵀ, then the friction disk of each point, with the bound
 //! that the normals give. The lanes of a block share no body that moves.
 //! Held to the reference by `tests/wide.rs`.
+#![expect(clippy::needless_range_loop, reason = "kernels walk several arrays of points in step")]
 
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::wide::lanes::{
@@ -438,7 +439,7 @@ fn visit_normals<S: Simd>(
                 } else {
                     &block.coupling[pair(if i < j { i } else { j }, if i < j { j } else { i })]
                 };
-                w[j] = w[j] + load(simd, k) * change;
+                w[j] += load(simd, k) * change;
             }
         }
     }
@@ -447,7 +448,7 @@ fn visit_normals<S: Simd>(
         let p = &mut block.points[i];
         let change = lambda[i] - load(simd, &p.lambda);
         store(lambda[i], &mut p.lambda);
-        sum = sum + change;
+        sum += change;
         let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         sides.angular_a = sides.angular_a.plus(a.times(change * masses.inertia_a));
         sides.angular_b = sides.angular_b.plus(b.times(change * masses.inertia_b));
@@ -524,7 +525,7 @@ pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) ->
         let greatest = positive(simd, change.abs() - unrest.residual) + unrest.residual;
         let sliding = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
         unrest.residual = positive(simd, sliding - greatest) + greatest;
-        unrest.energy = unrest.energy + half * ((change * w).abs() + (slip[0] * v[0] + slip[1] * v[1]).abs());
+        unrest.energy += half * ((change * w).abs() + (slip[0] * v[0] + slip[1] * v[1]).abs());
     }
     unrest
 }
