@@ -1,34 +1,39 @@
 #!/usr/bin/env bash
-# Builds the bench with all its peers and runs the default table, or what the arguments say:
-#   bash scripts/bench.sh                              # every scene, every engine: 15 to 30 minutes
-#   bash scripts/bench.sh --scenes pyramid30 --steps 60
-# Results: the table on stdout; out/bench.csv and out/bench.svg without arguments.
+# Builds the bench with all its peers and runs the default table, or what the arguments say. Safe to run again.
+#   bash scripts/bench.sh                                  every scene, every engine; also out/bench.csv, out/bench.svg
+#   bash scripts/bench.sh --scenes pyramid30 --steps 60    see crates/ishigaki-bench/README.md
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-missing=()
-command -v cmake >/dev/null || missing+=(cmake)
-command -v c++ >/dev/null || missing+=(g++)
-# bindgen, which makes Box3D's interface, loads libclang; anything that can be found is good.
-if [ -z "${LIBCLANG_PATH:-}" ] && ! ls /usr/lib/llvm*/lib/libclang*.so* /usr/lib/*/libclang*.so* >/dev/null 2>&1; then
-    missing+=(libclang-dev)
+fail() {
+  echo "bench: $1" >&2
+  exit 1
+}
+
+command -v cargo >/dev/null || fail "no cargo: install Rust with rustup first"
+
+# Box3D is built by cmake; its interface is read by libclang, any version of it.
+packages=()
+command -v cmake >/dev/null || packages+=(cmake)
+command -v c++ >/dev/null || packages+=(g++)
+if [[ -z ${LIBCLANG_PATH:-} ]] && ! compgen -G '/usr/lib/llvm*/lib/libclang*.so*' >/dev/null &&
+  ! compgen -G '/usr/lib/*/libclang*.so*' >/dev/null; then
+  packages+=(libclang-dev)
 fi
-if [ "${#missing[@]}" -gt 0 ]; then
-    if [ "$(id -u)" = 0 ] && command -v apt-get >/dev/null; then
-        apt-get update -qq && apt-get install -y -qq "${missing[@]}" >/dev/null
-    else
-        echo "bench.sh: please install: ${missing[*]}" >&2
-        exit 1
-    fi
+if ((${#packages[@]})); then
+  command -v apt-get >/dev/null || fail "no ${packages[*]}: install with the system's package manager"
+  [[ $(id -u) == 0 ]] || fail "no ${packages[*]}: sudo apt-get install ${packages[*]}"
+  apt-get update -qq && env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq "${packages[@]}" >/dev/null ||
+    fail "cannot install ${packages[*]}"
 fi
 
-root=$PWD
-# .cargo/config.toml of the crate, with the flags for C, is read from there only.
-cd crates/ishigaki-bench
-cargo build --release --locked
-bench=(cargo run --release --locked --quiet --)
-if [ "$#" -gt 0 ]; then
-    cd "$root" && exec "${CARGO_TARGET_DIR:-crates/ishigaki-bench/target}/release/ishigaki-bench" "$@"
+# In the crate's folder Cargo also reads its .cargo/config.toml, with the flags for C.
+program=$(cd crates/ishigaki-bench && cargo build --release --locked --message-format=json-render-diagnostics |
+  sed -n 's/.*"executable":"\([^"]*ishigaki-bench\)".*/\1/p' | tail -1)
+[[ -x $program ]] || fail "the bench was not built"
+
+if (($#)); then
+  exec "$program" "$@"
 fi
-mkdir -p "$root/out"
-"${bench[@]}" --csv "$root/out/bench.csv" --plot "$root/out/bench.svg"
+mkdir -p out
+"$program" --csv out/bench.csv --plot out/bench.svg

@@ -2,8 +2,9 @@
 
 use super::{DT, Engine, Setup, State, wide};
 use crate::scene::{Body, Form, Scene, Shape};
+use ::box3d_sys as b3;
+use ::ishigaki::{Pose, Quat, Vec3};
 use anyhow::ensure;
-use box3d_sys as b3;
 
 /// The number its documentation and samples use.
 const SUBSTEPS: i32 = 4;
@@ -106,8 +107,9 @@ impl Box3d {
                     b3::b3CreateSphereShape(id, &definition, &sphere);
                 }
                 &Form::Capsule { half_length, radius } => {
-                    let ends = [-half_length, half_length]
-                        .map(|y| b3::b3TransformPoint(pose, b3::b3Vec3 { x: 0.0, y, z: 0.0 }));
+                    // Its own function for this is inline in a header and not there for others.
+                    let local = Pose::from_parts(shape.position.into(), Quat::from_array(shape.rotation));
+                    let ends = [-half_length, half_length].map(|y| vector((local * (y * Vec3::Y)).to_array()));
                     let capsule = b3::b3Capsule { center1: ends[0], center2: ends[1], radius };
                     b3::b3CreateCapsuleShape(id, &definition, &capsule);
                 }
