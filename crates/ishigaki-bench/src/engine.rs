@@ -94,3 +94,6 @@ fn unpack(numbers: &[f64], states: &mut Vec<State>) {
         angular_velocity: [n[10], n[11], n[12]],
     }));
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,53 +3,11 @@
 use super::{DT, Engine, Setup, State};
 use crate::scene::{Body, Form, Scene, Shape};
 use anyhow::{Context, ensure};
+use ishigaki_bench_jolt::*;
 use std::ffi::c_void;
 
 pub fn about() -> String {
-    format!("5.0 (sources of joltc-sys 0.3.1), default settings (10 + 2 iterations), {}", env!("BENCH_JOLT_FLAGS"))
-}
-
-#[allow(unsafe_code)]
-unsafe extern "C" {
-    fn jolt_create(threads: u32, sleep: bool, gravity: *const f32, bodies: u32) -> *mut c_void;
-    fn jolt_hull(world: *mut c_void, points: *const f32, count: u32) -> bool;
-    fn jolt_box(world: *mut c_void, half: *const f32, density: f32, at: *const f32, turned: *const f32) -> bool;
-    fn jolt_ball(world: *mut c_void, radius: f32, density: f32, at: *const f32, turned: *const f32) -> bool;
-    fn jolt_capsule(
-        world: *mut c_void,
-        half_length: f32,
-        radius: f32,
-        density: f32,
-        at: *const f32,
-        turned: *const f32,
-    ) -> bool;
-    fn jolt_shared_hull(world: *mut c_void, hull: u32, density: f32, at: *const f32, turned: *const f32) -> bool;
-    fn jolt_field(
-        world: *mut c_void,
-        heights: *const f32,
-        count: u32,
-        size: f32,
-        at: *const f32,
-        turned: *const f32,
-    ) -> bool;
-    fn jolt_body(
-        world: *mut c_void,
-        dynamic: bool,
-        at: *const f32,
-        turned: *const f32,
-        velocity: *const f32,
-        angular_velocity: *const f32,
-        friction: f32,
-        restitution: f32,
-        member_of: u32,
-        collides_with: u32,
-    ) -> bool;
-    fn jolt_exclude(world: *mut c_void, a: u32, b: u32);
-    fn jolt_joint(world: *mut c_void, a: u32, b: u32, anchor_a: *const f32, anchor_b: *const f32);
-    fn jolt_finish(world: *mut c_void);
-    fn jolt_step(world: *mut c_void, dt: f32, steps: u32) -> bool;
-    fn jolt_states(world: *mut c_void, out: *mut f64);
-    fn jolt_destroy(world: *mut c_void);
+    format!("5.0 (sources of joltc-sys 0.3.1), default settings (10 + 2 iterations), {}", ishigaki_bench_jolt::FLAGS)
 }
 
 struct Jolt {
