@@ -19,6 +19,7 @@ use ishigaki::WorldOptions;
 use lockstep::Course;
 use report::Row;
 use scenes::Entry;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -182,11 +183,22 @@ fn run_scene(arguments: &Arguments, plan: &Plan, entry: &Entry) -> Result<Vec<Ro
         warm_up,
         limit: arguments.limit,
     };
+    // A line that is written over again and again is for people who watch, not for files.
+    let watched = !arguments.quiet && std::io::stderr().is_terminal();
     let tell = |text: &str| {
-        if !arguments.quiet {
+        if watched {
             eprint!("\r\x1b[K{text}");
         }
     };
+    if !arguments.quiet && !watched {
+        eprintln!(
+            "{}: {} bodies, {} joints, {} steps",
+            entry.name,
+            scene.bodies.len(),
+            scene.joints.len(),
+            course.steps
+        );
+    }
     let mut progress = |done: u32| tell(&format!("{}: step {done} of {}", entry.name, course.steps));
     let runs = lockstep::run(&scene, &plan.kinds, &plan.setup, &course, &mut progress);
     tell("");

@@ -67,7 +67,7 @@ impl Box3d {
             let mut definition = b3::b3DefaultBodyDef();
             let kind = if body.dynamic { b3::b3BodyType_b3_dynamicBody } else { b3::b3BodyType_b3_staticBody };
             definition.type_ = kind;
-            definition.position = vector(body.position);
+            definition.position = vector(origin(body));
             definition.rotation = quaternion(body.rotation);
             definition.linearVelocity = vector(body.velocity);
             definition.angularVelocity = vector(body.angular_velocity);
@@ -125,7 +125,6 @@ impl Box3d {
         Ok(())
     }
 
-    /// A field starts at its body's origin and goes along +x and +z: the body is moved, its state is read for none.
     #[allow(unsafe_code)]
     fn add_field(
         &mut self,
@@ -136,11 +135,11 @@ impl Box3d {
         heights: &[f32],
         size: f32,
     ) -> anyhow::Result<()> {
-        ensure!(!body.dynamic && body.shapes.len() == 1, "a height field needs a fixed body of its own");
+        let alone = !body.dynamic && body.shapes.len() == 1 && body.rotation == [0.0, 0.0, 0.0, 1.0];
+        ensure!(alone, "a height field needs a fixed, level body of its own");
         let mut heights = heights.to_vec();
         let mut materials = vec![0_u8; (count - 1) * (count - 1)];
         let cell = size / (count - 1) as f32;
-        let [x, y, z] = body.position;
         // SAFETY: both vectors have the lengths their counts say and are copied; the field outlives the shape.
         unsafe {
             let field = b3::b3CreateHeightField(&b3::b3HeightFieldDef {
@@ -155,10 +154,18 @@ impl Box3d {
             });
             ensure!(!field.is_null(), "Box3D cannot make the height field");
             self.fields.push(field);
-            b3::b3Body_SetTransform(id, vector([x - 0.5 * size, y, z - 0.5 * size]), quaternion(body.rotation));
             b3::b3CreateHeightFieldShape(id, definition, field);
         }
         Ok(())
+    }
+}
+
+/// A height field starts at its body's origin and goes along +x and +z: its body is half a field away.
+fn origin(body: &Body) -> [f32; 3] {
+    let [x, y, z] = body.position;
+    match body.shapes.first().map(|s| &s.form) {
+        Some(Form::HeightField { size, .. }) => [x - 0.5 * size, y, z - 0.5 * size],
+        _ => [x, y, z],
     }
 }
 
