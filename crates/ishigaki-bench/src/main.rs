@@ -1,0 +1,259 @@
+//! Ishigaki and its peers side by side: the same scenes, one meter, turn by turn. See README.md.
+
+mod convert;
+mod engine;
+mod lockstep;
+mod memory;
+mod meter;
+mod plot;
+mod report;
+mod scene;
+mod scenes;
+mod solid;
+mod stats;
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::Parser;
+use engine::{DT, KINDS, Kind, Setup};
+use ishigaki::WorldOptions;
+use lockstep::Course;
+use report::Row;
+use scenes::Entry;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Ishigaki and its peers side by side: the same scenes, one meter, turn by turn.
+#[derive(Parser, Debug)]
+#[command(version)]
+struct Arguments {
+    /// Scenes of the table, scenes of Ishigaki's with parameters (pyramid:base=40), or scene files (x.json).
+    #[arg(long, value_delimiter = ',', value_name = "A,B,…")]
+    scenes: Vec<String>,
+    /// Engines; all that were built by default.
+    #[arg(long, value_delimiter = ',', value_name = "A,B,…")]
+    engines: Vec<String>,
+    /// Steps of 1/60 s; each scene has its own number otherwise.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    steps: Option<u32>,
+    /// Steps in a turn.
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    turn: u32,
+    /// Threads, for engines that use them.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
+    threads: u32,
+    /// Let bodies fall asleep.
+    #[arg(long)]
+    sleep: bool,
+    /// Time only what comes after so many seconds of the scene.
+    #[arg(long, default_value_t = 0.0, value_name = "SECONDS")]
+    rest_after: f64,
+    /// An engine that has stepped longer than this in a scene stops there, with a note.
+    #[arg(long, default_value_t = 60.0, value_name = "SECONDS")]
+    limit: f64,
+    /// Set an option of Ishigaki's by its path: solver.substeps=2.
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<String>,
+    /// Time the stages of Ishigaki's step.
+    #[arg(long)]
+    phases: bool,
+    /// Do not measure memory: saves two processes for each engine and scene.
+    #[arg(long)]
+    no_memory: bool,
+    /// One JSON array on stdout instead of the table.
+    #[arg(long)]
+    json: bool,
+    /// Write the rows to a file.
+    #[arg(long, value_name = "FILE")]
+    csv: Option<PathBuf>,
+    /// Draw the ratios.
+    #[arg(long, value_name = "FILE.svg")]
+    plot: Option<PathBuf>,
+    /// No progress on stderr.
+    #[arg(long)]
+    quiet: bool,
+    /// What scenes and engines there are, with versions and compiler flags.
+    #[arg(long)]
+    list: bool,
+    /// For the bench itself: print the peak memory of one engine in one scene (full) or without bodies (empty).
+    #[arg(long, hide = true)]
+    memory_child: Option<String>,
+}
+
+/// Arguments that make sense.
+struct Plan {
+    entries: Vec<Entry>,
+    kinds: Vec<Kind>,
+    setup: Setup,
+}
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let plan = match plan(&arguments) {
+        Ok(plan) => plan,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            return ExitCode::from(2);
+        }
+    };
+    match perform(&arguments, &plan) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn plan(arguments: &Arguments) -> Result<Plan> {
+    let entries = match arguments.scenes.is_empty() {
+        true => scenes::list(),
+        false => arguments.scenes.iter().map(|name| scenes::find(name)).collect::<Result<_>>()?,
+    };
+    for entry in &entries {
+        entry.build()?;
+    }
+    let mut kinds = Vec::new();
+    for name in &arguments.engines {
+        let Some(kind) = KINDS.iter().find(|k| k.name == name) else {
+            let known: Vec<&str> = KINDS.iter().map(|k| k.name).collect();
+            bail!("there is no engine `{name}` in this build; there are {}", known.join(", "));
+        };
+        ensure!(!kinds.iter().any(|k: &Kind| k.name == name), "engine `{name}` is given twice");
+        kinds.push(*kind);
+    }
+    if kinds.is_empty() {
+        kinds = KINDS.to_vec();
+    }
+    ensure!(arguments.rest_after >= 0.0, "--rest-after must be ≥ 0, is {}", arguments.rest_after);
+    ensure!(arguments.limit > 0.0, "--limit must be > 0, is {}", arguments.limit);
+    let mut options = WorldOptions::default();
+    for text in &arguments.set {
+        let (path, value) = text.split_once('=').with_context(|| format!("--set {text}: must be PATH=VALUE"))?;
+        ishigaki_scenes::set_option(&mut options, path, value).with_context(|| format!("--set {text}"))?;
+    }
+    let setup =
+        Setup { threads: arguments.threads, sleep: arguments.sleep, phases: arguments.phases, ishigaki: options };
+    Ok(Plan { entries, kinds, setup })
+}
+
+fn perform(arguments: &Arguments, plan: &Plan) -> Result<()> {
+    if arguments.list {
+        print_list();
+        return Ok(());
+    }
+    if let Some(world) = &arguments.memory_child {
+        return memory_child(arguments, plan, world == "empty");
+    }
+    if !arguments.quiet {
+        for kind in &plan.kinds {
+            eprintln!("{:<9} {}", kind.name, (kind.about)());
+        }
+    }
+    if !arguments.json {
+        println!("{}", report::table_head());
+    }
+    let mut rows = Vec::new();
+    for entry in &plan.entries {
+        let new = run_scene(arguments, plan, entry)?;
+        if !arguments.json {
+            new.iter().for_each(|row| println!("{}", report::table_line(row)));
+        }
+        rows.extend(new);
+    }
+    if arguments.json {
+        println!("{}", serde_json::to_string_pretty(&rows)?);
+    }
+    if let Some(path) = &arguments.csv {
+        write(path, &report::csv(&rows))?;
+    }
+    if let Some(path) = &arguments.plot {
+        write(path, &plot::draw(&rows))?;
+    }
+    Ok(())
+}
+
+fn run_scene(arguments: &Arguments, plan: &Plan, entry: &Entry) -> Result<Vec<Row>> {
+    let scene = entry.build()?;
+    let warm_up = (arguments.rest_after / f64::from(DT)).round() as u32;
+    let course = Course {
+        // What is asked for is what counts.
+        steps: arguments.steps.unwrap_or(entry.steps) + warm_up,
+        turn: arguments.turn,
+        warm_up,
+        limit: arguments.limit,
+    };
+    // A line that is written over again and again is for people who watch, not for files.
+    let watched = !arguments.quiet && std::io::stderr().is_terminal();
+    let tell = |text: &str| {
+        if watched {
+            eprint!("\r\x1b[K{text}");
+        }
+    };
+    if !arguments.quiet && !watched {
+        eprintln!(
+            "{}: {} bodies, {} joints, {} steps",
+            entry.name,
+            scene.bodies.len(),
+            scene.joints.len(),
+            course.steps
+        );
+    }
+    let mut progress = |done: u32| tell(&format!("{}: step {done} of {}", entry.name, course.steps));
+    let runs = lockstep::run(&scene, &plan.kinds, &plan.setup, &course, &mut progress);
+    tell("");
+    let runs = runs.with_context(|| format!("scene `{}`", entry.name))?;
+    let memory = |engine: &str| {
+        if arguments.no_memory {
+            return None;
+        }
+        tell(&format!("{}: memory of {engine}", entry.name));
+        let peak = memory::measure(&child_arguments(arguments, entry, course.steps), engine);
+        tell("");
+        peak
+    };
+    Ok(report::rows(entry, &runs, memory))
+}
+
+/// What makes a child describe the same scene and step it as long, though never longer than ten seconds.
+fn child_arguments(arguments: &Arguments, entry: &Entry, steps: u32) -> Vec<String> {
+    let limit = arguments.limit.min(10.0);
+    let mut list = vec!["--scenes".to_string(), entry.name.clone(), "--quiet".to_string()];
+    list.extend(["--steps".to_string(), steps.to_string(), "--limit".to_string(), limit.to_string()]);
+    list.extend(["--threads".to_string(), arguments.threads.to_string()]);
+    list.extend(arguments.set.iter().flat_map(|set| ["--set".to_string(), set.clone()]));
+    if arguments.sleep {
+        list.push("--sleep".to_string());
+    }
+    list
+}
+
+fn memory_child(arguments: &Arguments, plan: &Plan, empty: bool) -> Result<()> {
+    let (Some(entry), Some(kind)) = (plan.entries.first(), plan.kinds.first()) else {
+        bail!("one scene and one engine");
+    };
+    let steps = arguments.steps.unwrap_or(entry.steps);
+    let threads = if kind.threaded { plan.setup.threads } else { 1 };
+    let setup = Setup { threads, ..plan.setup.clone() };
+    memory::child(&entry.build()?, kind, &setup, empty, steps, arguments.limit)
+}
+
+fn print_list() {
+    println!("engines:");
+    for kind in KINDS {
+        println!("  {:<9} {}", kind.name, (kind.about)());
+    }
+    println!("scenes:");
+    for entry in scenes::list() {
+        println!("  {:<18} {} steps", entry.name, entry.steps);
+    }
+}
+
+/// Writes a file that appears only when it is complete.
+fn write(path: &Path, text: &str) -> Result<()> {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    let place = || path.display().to_string();
+    std::fs::write(&part, text).with_context(place)?;
+    std::fs::rename(&part, path).with_context(place)
+}
