@@ -84,7 +84,7 @@ fn disagreement(fill: impl Fn(&mut World), edit: impl Fn(&mut WorldOptions)) -> 
 
 #[test]
 fn one_step_is_that_of_the_reference() {
-    let scenes: [(&str, fn(&mut World)); 3] = [("heap", heap), ("wall", wall), ("hit", hit)];
+    let scenes: [Scene; 3] = [("heap", heap), ("wall", wall), ("hit", hit)];
     let off = |o: &mut WorldOptions| o.solver.level_correction.enabled = false;
     for (name, fill) in scenes {
         let plain = disagreement(fill, off);
@@ -104,6 +104,7 @@ fn one_step_is_that_of_the_reference() {
     }
 }
 
+type Scene = (&'static str, fn(&mut World));
 type Technique = (&'static str, fn(&mut WorldOptions));
 
 fn techniques() -> [Technique; 8] {
