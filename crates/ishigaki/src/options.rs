@@ -232,16 +232,18 @@ pub struct Jointed {
     pub substeps: u32,
     /// This many times `sweeps`.
     pub sweeps: u32,
+    /// This many times `relax_sweeps`.
+    pub relax_sweeps: u32,
 }
 
 impl Jointed {
     /// As without joints.
-    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1 };
+    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, relax_sweeps: 1 };
 }
 
 impl Default for Jointed {
     fn default() -> Self {
-        Self { substeps: 2, sweeps: 2 }
+        Self { substeps: 2, sweeps: 2, relax_sweeps: 2 }
     }
 }
 
@@ -601,6 +603,7 @@ impl SolverOptions {
         count("sweeps", self.sweeps, 0, 100_000)?;
         count("jointed.substeps", self.jointed.substeps, 1, 100)?;
         count("jointed.sweeps", self.jointed.sweeps, 1, 100)?;
+        count("jointed.relax_sweeps", self.jointed.relax_sweeps, 1, 100)?;
         count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;
         count("restitution.passes", self.restitution.passes, 0, 10_000)?;
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;

@@ -8,7 +8,7 @@ use crate::constraint::frame::JointStep;
 use crate::constraint::friction::Coupling;
 use crate::constraint::row::RowSpec;
 use crate::math::Mat3;
-use crate::options::{Permutation, SolverOptions};
+use crate::options::{Jointed, Permutation, SolverOptions};
 use crate::solver::block::{self, Block};
 use crate::solver::joint_tree::Forest;
 use crate::solver::level_correction::LevelCorrection;
@@ -32,6 +32,8 @@ pub struct Plan {
     pub substeps: u32,
     /// Sweeps with recovery in each.
     pub sweeps: u32,
+    /// Relax sweeps in each.
+    pub relax_sweeps: u32,
     /// Impulses are stored for a substep of the options: this many times those of a substep here.
     pub share: f32,
     /// The table.
@@ -114,10 +116,11 @@ impl World {
             .joints
             .iter()
             .any(|(_, joint)| is_active(joint.definition.body_a.index) || is_active(joint.definition.body_b.index));
-        let (substeps, sweeps) = if jointed { (solver.jointed.substeps, solver.jointed.sweeps) } else { (1, 1) };
-        plan.substeps = solver.substeps * substeps;
-        plan.sweeps = solver.sweeps * sweeps;
-        plan.share = substeps as f32;
+        let times = if jointed { &solver.jointed } else { &Jointed::ALIKE };
+        plan.substeps = solver.substeps * times.substeps;
+        plan.sweeps = solver.sweeps * times.sweeps;
+        plan.relax_sweeps = solver.relax_sweeps * times.relax_sweeps;
+        plan.share = times.substeps as f32;
     }
 
     fn collect_bodies(&mut self, plan: &mut Plan) {

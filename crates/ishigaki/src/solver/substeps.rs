@@ -51,7 +51,7 @@ impl World {
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
 
-        if self.options.solver.relax_sweeps > 0 {
+        if plan.relax_sweeps > 0 {
             self.relax(plan, h);
         }
         for row in &mut plan.rows {
@@ -164,7 +164,12 @@ impl World {
             let first = (m.first + m.layout.first_normal()) as usize;
             for (row, point) in plan.rows[first..].iter_mut().zip(&manifold.points) {
                 let separation = point.separation + row.displacement(&plan.bodies);
-                let is_borne = warm && row.lambda > 0.0 && row.effective_mass > 0.0;
+                let jointed = |body: u32| plan.bodies[body as usize].jointed;
+                let is_borne = warm
+                    && row.lambda > 0.0
+                    && row.effective_mass > 0.0
+                    && !jointed(row.body_a)
+                    && !jointed(row.body_b);
                 let borne = if is_borne { row.lambda / row.effective_mass } else { 0.0 };
                 (row.bias, row.relax_bias) = recovery.bias(separation, h, borne);
             }
@@ -191,7 +196,7 @@ impl World {
                 row.bias = if flies { f32::MAX } else { row.relax_bias };
             }
         }
-        for sweep in 0..self.options.solver.relax_sweeps {
+        for sweep in 0..plan.relax_sweeps {
             self.one_sweep(plan, plan.sweeps + sweep);
         }
         self.commit_velocities(plan);
@@ -490,9 +495,8 @@ fn harden_joints(plan: &mut Plan) -> u64 {
     }
     for block in &mut plan.blocks {
         block.softness = 0.0;
-        let row = &plan.rows[block.first as usize];
-        let turned = |body: u32| plan.bodies[body as usize].turned_since_inertia() > FAR_TURN;
-        if !block.in_tree && (turned(row.body_a) || turned(row.body_b)) {
+        // Their rows have turned: old factors would leave a little motion for ever, and heaps would not come to rest.
+        if !block.in_tree {
             block.factor(&plan.rows);
         }
     }
