@@ -107,6 +107,8 @@ pub struct LevelCorrection {
     /// By body of the plan: impulse of a change of λ.
     push: Vec<(Vec3, Vec3)>,
     touched: Vec<u32>,
+    /// Rounds of islands that are dear to correct, at most; the caller sets it before each use.
+    pub(crate) dear_rounds: usize,
     /// Multiply-adds of the step so far.
     pub work: u64,
     current: Option<(u32, Choice)>,
@@ -130,6 +132,9 @@ const HOPELESS: f32 = 0.03;
 const PAUSE: u64 = 8;
 /// Above this part of Σλ g h bodies hit each other; below it they rest or sag.
 const TUMBLING: f32 = 1e-2;
+/// More manifolds than `MANY`, and more than `WIDTH` on a level, are dear to correct.
+const MANY: usize = 200;
+const WIDTH: usize = 4;
 /// Tries: solutions with another set of points.
 const TRIES: usize = 3;
 
@@ -180,6 +185,9 @@ impl World {
         let cell = self.options.length_scale;
         let mut fine = None;
         let rounds = if is_new { 5 * ROUNDS } else { ROUNDS };
+        let levels = all[active - 1].level as usize;
+        let is_dear = active > MANY && active > WIDTH * levels;
+        let rounds = if is_dear { rounds.min(work.dear_rounds) } else { rounds };
         for round in 0..rounds {
             let island = &mut all[..active];
             let rows = number_rows(plan, island);

@@ -278,6 +278,7 @@ impl World {
 
     fn sweeps(&mut self, plan: &mut Plan, h: f32) {
         if self.corrects_levels() {
+            plan.level_correction.dear_rounds = usize::MAX;
             self.correct_levels(plan, h);
         }
         for sweep in 0..plan.sweeps {

@@ -47,8 +47,6 @@ pub struct IslandState {
     pub first_body: u32,
     /// Levels it has.
     pub levels: u32,
-    /// Manifolds.
-    pub manifolds: u32,
     /// Σλ_n, N·s.
     pub load: f32,
     /// Energy that visits to its rows would take, J.

@@ -10,7 +10,7 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::Plan;
 use crate::solver::slop;
 use crate::solver::wide::Wide;
-use crate::solver::wide::batch::{Batch, IslandState};
+use crate::solver::wide::batch::Batch;
 use crate::solver::wide::contact_block::{self as kernel, POINTS, SweepPass};
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::MotionLimits;
@@ -94,15 +94,10 @@ impl World {
             wanted.push(!is_calm && !pauses && island.levels > 1);
         }
         if self.corrects_levels() && wanted.contains(&true) {
+            // At rest there is little to find, and the next step finds more.
+            let rests = batch.substeps < self.options.solver.substeps;
+            aid.level_correction.dear_rounds = if rests { 1 } else { usize::MAX };
             self.correct_loads(batch, aid, &wanted, pass);
-            if batch.substeps < self.options.solver.substeps {
-                // At rest errors grow slowly: sweeps hold them for a while.
-                let is_wide = |i: &IslandState| i.manifolds > MANY && i.manifolds > WIDTH * i.levels;
-                for (island, _) in batch.islands.iter().zip(&wanted).filter(|(i, w)| **w && is_wide(i)) {
-                    let body = self.bodies.at_mut(island.first_body);
-                    body.no_correction_until = body.no_correction_until.max(self.step_count + REST_PAUSE);
-                }
-            }
         }
         aid.chosen = wanted;
     }
@@ -141,12 +136,6 @@ impl World {
         }
     }
 }
-
-/// Steps between corrections of an island at rest that is dear to correct: more than `MANY` manifolds, and more than
-/// `WIDTH` on a level.
-const REST_PAUSE: u64 = 4;
-const MANY: u32 = 200;
-const WIDTH: u32 = 4;
 
 /// Forwards and backwards in turn, as `permutation.rs` has it.
 struct Order {
