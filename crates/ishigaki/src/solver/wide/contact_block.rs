@@ -4,6 +4,8 @@
 //! Jacobian both reads (w = J'u') and pushes (u' += J'ᵀΔλ). A visit is that of `manifold_block.rs` in the reference:
 //! normals several times against each other through K = J'J'ᵀ, then the friction disk of each point, with the bound
 //! that the normals give. The lanes of a block share no body that moves.
+//! No closures in here: the compiler does not give them the machine's wide instructions, and where one is not inlined
+//! each operation becomes a call.
 //! Held to the reference by `tests/wide.rs`.
 #![expect(clippy::needless_range_loop, reason = "kernels walk several arrays of points in step")]
 
@@ -251,8 +253,28 @@ pub type RootInertia = [Lane; 6];
 
 #[inline(always)]
 fn weighted<S: Simd>(simd: S, root: &RootInertia, v: V3<S>) -> V3<S> {
-    let [xx, xy, xz, yy, yz, zz] = [0, 1, 2, 3, 4, 5].map(|k| load(simd, &root[k]));
+    let (xx, xy, xz) = (load(simd, &root[0]), load(simd, &root[1]), load(simd, &root[2]));
+    let (yy, yz, zz) = (load(simd, &root[3]), load(simd, &root[4]), load(simd, &root[5]));
     V3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
+}
+
+/// Of a point: arms on both bodies, and 1 where there is a point, else 0.
+struct Arms<S: Simd> {
+    a: V3<S>,
+    b: V3<S>,
+    kept: f32x8<S>,
+}
+
+impl<S: Simd> Arms<S> {
+    /// J' along an axis.
+    #[inline(always)]
+    fn row(&self, simd: S, axis: V3<S>, roots: &[RootInertia; 2]) -> RowLanes<S> {
+        RowLanes {
+            direction: axis,
+            angular_a: weighted(simd, &roots[0], self.a.cross(axis)).times(self.kept),
+            angular_b: weighted(simd, &roots[1], axis.cross(self.b)).times(self.kept),
+        }
+    }
 }
 
 /// From arms and impulses to rows: a block as it was filled becomes one that can be visited.
@@ -273,8 +295,7 @@ pub fn prepare<S: Simd>(
     for i in 0..POINTS {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
         let exists = counts.simd_gt(splat(simd, i as f32));
-        let keep =
-            |v: V3<S>| V3 { x: exists.select(v.x, zero), y: exists.select(v.y, zero), z: exists.select(v.z, zero) };
+        let kept = exists.select(splat(simd, 1.0), zero);
         let (arm_a, arm_b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         let s = load(simd, &p.separation);
         // Arms to the middle of the gap, as in `constraint/contact.rs`.
@@ -283,13 +304,9 @@ pub fn prepare<S: Simd>(
         let from_afar = s.simd_gt(splat(simd, 0.1) * shorter);
         let shift = n.times(from_afar.select(zero, half * s));
         let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
-        let row = |axis: V3<S>| RowLanes {
-            direction: axis,
-            angular_a: keep(weighted(simd, &roots[0], arm_a.cross(axis))),
-            angular_b: keep(weighted(simd, &roots[1], axis.cross(arm_b))),
-        };
+        let arms = Arms { a: arm_a, b: arm_b, kept };
 
-        let normal = row(n);
+        let normal = arms.row(simd, n, roots);
         let k = normal.inner(&normal, &masses);
         let effective_mass = exists.select(inverse(simd, k), zero);
         normal.angular_a.store(&mut p.angular_a);
@@ -299,13 +316,13 @@ pub fn prepare<S: Simd>(
         normals[i] = normal;
 
         let impulse = V3::load(simd, &disk.angular_a[0]);
-        let tangent = [row(t[0]), row(t[1])];
+        let tangent = [arms.row(simd, t[0], roots), arms.row(simd, t[1], roots)];
         for k in 0..2 {
             store(impulse.dot(t[k]), &mut disk.lambda[k]);
             tangent[k].angular_a.store(&mut disk.angular_a[k]);
             tangent[k].angular_b.store(&mut disk.angular_b[k]);
         }
-        prepare_disk(simd, disk, &tangent, &masses, exists.select(splat(simd, 1.0), zero));
+        prepare_disk(simd, disk, &tangent, &masses, kept);
     }
     for i in 0..POINTS {
         for j in i + 1..POINTS {
@@ -468,9 +485,13 @@ fn visit_disk<S: Simd>(
     sides: &mut Sides<S>,
 ) {
     let relative = sides.relative(masses.root_a, masses.root_b);
-    let rows = [0, 1].map(|k| row_of(simd, t[k], &disk.angular_a[k], &disk.angular_b[k]));
+    let rows = [
+        row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0]),
+        row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1]),
+    ];
     let w = [rows[0].velocity(relative, sides), rows[1].velocity(relative, sides)];
-    let [i11, i12, i21, i22] = [0, 1, 2, 3].map(|k| load(simd, &disk.inverse[k]));
+    let (i11, i12) = (load(simd, &disk.inverse[0]), load(simd, &disk.inverse[1]));
+    let (i21, i22) = (load(simd, &disk.inverse[2]), load(simd, &disk.inverse[3]));
     let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
     let stick = [old[0] - (i11 * w[0] + i12 * w[1]), old[1] - (i21 * w[0] + i22 * w[1])];
     let step = load(simd, &disk.step);
@@ -515,7 +536,10 @@ pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) ->
         let reach = mu * positive(simd, lambda);
         let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
         let step = load(simd, &disk.step);
-        let rows = [0, 1].map(|k| row_of(simd, t[k], &disk.angular_a[k], &disk.angular_b[k]));
+        let rows = [
+            row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0]),
+            row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1]),
+        ];
         let v = [rows[0].velocity(relative, &sides), rows[1].velocity(relative, &sides)];
         let wanted = [old[0] - step * v[0], old[1] - step * v[1]];
         let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();

@@ -124,41 +124,51 @@ fn half<S: Simd, const ANGULAR: bool>(
     first: usize,
 ) -> [f32x4<S>; 4] {
     let at = if ANGULAR { 4 } else { 0 };
-    let row = |i: usize| f32x4::from_slice(simd, &records[bodies[first + i] as usize].0[at..at + 4]);
-    transposed(row(0), row(1), row(2), row(3))
+    let a = f32x4::from_slice(simd, &records[bodies[first] as usize].0[at..at + 4]);
+    let b = f32x4::from_slice(simd, &records[bodies[first + 1] as usize].0[at..at + 4]);
+    let c = f32x4::from_slice(simd, &records[bodies[first + 2] as usize].0[at..at + 4]);
+    let d = f32x4::from_slice(simd, &records[bodies[first + 3] as usize].0[at..at + 4]);
+    transposed(a, b, c, d)
 }
 
 /// Linear and angular parts of the records of eight bodies.
 #[inline(always)]
 pub fn gather<S: Simd>(simd: S, records: &[Record], bodies: &[u32; LANES]) -> (V3<S>, V3<S>) {
-    let join = |low: [f32x4<S>; 4], high: [f32x4<S>; 4]| V3 {
+    (
+        join(simd, half::<S, false>(simd, records, bodies, 0), half::<S, false>(simd, records, bodies, 4)),
+        join(simd, half::<S, true>(simd, records, bodies, 0), half::<S, true>(simd, records, bodies, 4)),
+    )
+}
+
+#[inline(always)]
+fn join<S: Simd>(simd: S, low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> V3<S> {
+    V3 {
         x: simd.combine_f32x4(low[0], high[0]),
         y: simd.combine_f32x4(low[1], high[1]),
         z: simd.combine_f32x4(low[2], high[2]),
-    };
-    (
-        join(half::<S, false>(simd, records, bodies, 0), half::<S, false>(simd, records, bodies, 4)),
-        join(half::<S, true>(simd, records, bodies, 0), half::<S, true>(simd, records, bodies, 4)),
-    )
+    }
+}
+
+/// A vector of each of eight bodies, four bodies to a half.
+#[inline(always)]
+fn halves<S: Simd>(simd: S, v: V3<S>) -> [[f32x4<S>; 4]; 2] {
+    let zero = f32x4::splat(simd, 0.0);
+    let (x0, x1) = simd.split_f32x8(v.x);
+    let (y0, y1) = simd.split_f32x8(v.y);
+    let (z0, z1) = simd.split_f32x8(v.z);
+    [transposed(x0, y0, z0, zero), transposed(x1, y1, z1, zero)]
 }
 
 /// Puts the records of eight bodies back; body 0, the ground, stays as it is.
 #[inline(always)]
 pub fn scatter<S: Simd>(simd: S, records: &mut [Record], bodies: &[u32; LANES], linear: V3<S>, angular: V3<S>) {
-    let zero = f32x4::splat(simd, 0.0);
-    let halves = |v: V3<S>| {
-        let ((x0, x1), (y0, y1), (z0, z1)) = (simd.split_f32x8(v.x), simd.split_f32x8(v.y), simd.split_f32x8(v.z));
-        [transposed(x0, y0, z0, zero), transposed(x1, y1, z1, zero)]
-    };
-    let (linear, angular) = (halves(linear), halves(angular));
-    for (h, (linear, angular)) in linear.iter().zip(&angular).enumerate() {
-        for i in 0..4 {
-            let body = bodies[4 * h + i];
-            if body != 0 {
-                let record = &mut records[body as usize].0;
-                linear[i].store_slice(&mut record[..4]);
-                angular[i].store_slice(&mut record[4..]);
-            }
+    let (linear, angular) = (halves(simd, linear), halves(simd, angular));
+    for i in 0..LANES {
+        let body = bodies[i];
+        if body != 0 {
+            let record = &mut records[body as usize].0;
+            linear[i / 4][i % 4].store_slice(&mut record[..4]);
+            angular[i / 4][i % 4].store_slice(&mut record[4..]);
         }
     }
 }

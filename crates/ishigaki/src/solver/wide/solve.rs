@@ -165,7 +165,7 @@ impl Batch {
             self.carried[i + 1] = sum(&self.carried[i + 1], &change);
         }
         let blocks = &mut self.blocks;
-        dispatch!(level, simd => blocks.iter_mut().for_each(|block| kernel::add_up(simd, block)));
+        dispatch!(level, simd => add_up_all(simd, blocks));
     }
 
     /// Without warm start each substep begins from nothing.
@@ -203,7 +203,7 @@ impl Batch {
 
     fn advance(&mut self, level: Level) {
         let (blocks, displacements) = (&mut self.blocks, &self.displacements);
-        dispatch!(level, simd => blocks.iter_mut().for_each(|block| kernel::advance(simd, block, displacements)));
+        dispatch!(level, simd => advance_all(simd, blocks, displacements));
     }
 
     /// Loads and unrest of the islands.
@@ -268,6 +268,20 @@ fn sweep<S: Simd, const REVERSED: bool>(
     for i in 0..n {
         let k = if REVERSED { n - 1 - i } else { i };
         kernel::visit(simd, &mut blocks[k], &scales[k.min(last)], velocities, pass);
+    }
+}
+
+#[inline(always)]
+fn add_up_all<S: Simd>(simd: S, blocks: &mut [kernel::ContactBlock]) {
+    for block in blocks {
+        kernel::add_up(simd, block);
+    }
+}
+
+#[inline(always)]
+fn advance_all<S: Simd>(simd: S, blocks: &mut [kernel::ContactBlock], displacements: &[Record]) {
+    for block in blocks {
+        kernel::advance(simd, block, displacements);
     }
 }
 
