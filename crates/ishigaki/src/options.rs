@@ -148,6 +148,8 @@ pub struct SolverOptions {
     pub joint_tree: JointTree,
     /// Loads of whole stacks at once.
     pub level_correction: LevelCorrection,
+    /// Loads of stacks too wide for that go from each body to its supports, from the top down.
+    pub hand_down: HandDown,
     /// Distance of a body from the ground in hops. TALK D5.
     pub height: Height,
     /// Forces travel upward only. TALK D6, D7.
@@ -177,6 +179,7 @@ impl Default for SolverOptions {
             manifold_block: ManifoldBlock::default(),
             joint_tree: JointTree::default(),
             level_correction: LevelCorrection::default(),
+            hand_down: HandDown::default(),
             height: Height::default(),
             shock_propagation: ShockPropagation::default(),
             weight_amplification: WeightAmplification::default(),
@@ -198,6 +201,7 @@ impl SolverOptions {
         options.warm_start.enabled = false;
         options.manifold_block.enabled = false;
         options.level_correction.enabled = false;
+        options.hand_down.enabled = false;
         options.joint_tree.enabled = false;
         options.weight_amplification.enabled = false;
         options.shock_propagation.enabled = false;
@@ -215,6 +219,7 @@ impl SolverOptions {
             permutation: Permutation::PerSweep,
             manifold_block: ManifoldBlock { enabled: false, ..ManifoldBlock::default() },
             level_correction: LevelCorrection { enabled: false },
+            hand_down: HandDown { enabled: false },
             joint_tree: JointTree { enabled: false },
             weight_amplification: WeightAmplification { enabled: true, ..WeightAmplification::default() },
             ..Self::default()
@@ -379,6 +384,22 @@ pub struct LevelCorrection {
 }
 
 impl Default for LevelCorrection {
+    fn default() -> Self {
+        Self { enabled: true }
+    }
+}
+
+/// What each body of a wide stack is to be rid of goes to its supports, from the top to the ground. With level
+/// correction; in place of it where an island has many manifolds on a level.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct HandDown {
+    /// On or off.
+    pub enabled: bool,
+}
+
+impl Default for HandDown {
     fn default() -> Self {
         Self { enabled: true }
     }

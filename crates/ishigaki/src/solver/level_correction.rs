@@ -15,6 +15,7 @@ use crate::body::NO_HEIGHT;
 use crate::constraint::friction::Coupling;
 use crate::math::Vec3;
 use crate::solver::block_ldl::{BlockLdl, MAX_SIZE, Pattern};
+use crate::solver::hand_down;
 use crate::solver::manifold_block;
 use crate::solver::plan::{ManifoldRows, Plan};
 use crate::solver::reference::{self, Unit};
@@ -107,8 +108,6 @@ pub struct LevelCorrection {
     /// By body of the plan: impulse of a change of λ.
     push: Vec<(Vec3, Vec3)>,
     touched: Vec<u32>,
-    /// Rounds of islands that are dear to correct, at most; the caller sets it before each use.
-    pub(crate) dear_rounds: usize,
     /// Multiply-adds of the step so far.
     pub work: u64,
     current: Option<(u32, Choice)>,
@@ -128,10 +127,10 @@ const ENOUGH: f32 = 1e-7;
 pub(crate) const CALM: f32 = 1e-9;
 /// A correction must take this part of what sweeps for the same work would take; else it rests for `PAUSE` steps.
 const WORTH: f32 = 0.2;
-const HOPELESS: f32 = 0.03;
-const PAUSE: u64 = 8;
+pub(crate) const HOPELESS: f32 = 0.03;
+pub(crate) const PAUSE: u64 = 8;
 /// Above this part of Σλ g h bodies hit each other; below it they rest or sag.
-const TUMBLING: f32 = 1e-2;
+pub(crate) const TUMBLING: f32 = 1e-2;
 /// More manifolds than `MANY`, and more than `WIDTH` on a level, are dear to correct.
 const MANY: usize = 200;
 const WIDTH: usize = 4;
@@ -153,8 +152,14 @@ impl World {
             let pauses = self.bodies.at(first).no_correction_until > self.step_count;
             let stands = !pauses && active > 1 && island[0].level == 1 && island[active - 1].level > 1;
             if stands {
-                let worth_it = self.correct_island(plan, &mut work, island, active, h);
-                work.remember();
+                let is_dear = is_dear(island.len(), island[active - 1].level as usize);
+                let worth_it = if is_dear && self.options.solver.hand_down.enabled {
+                    self.hand_down_island(plan, &mut work, island, active, h)
+                } else {
+                    let worth_it = self.correct_island(plan, &mut work, island, active, h);
+                    work.remember();
+                    worth_it
+                };
                 if !worth_it {
                     self.bodies.at_mut(first).no_correction_until = self.step_count + PAUSE;
                 }
@@ -162,6 +167,30 @@ impl World {
         }
         work.members = members;
         plan.level_correction = work;
+    }
+
+    /// Hand-down in place of a correction; whether it was worth its work.
+    fn hand_down_island(
+        &mut self,
+        plan: &mut Plan,
+        work: &mut LevelCorrection,
+        all: &mut [Member],
+        active: usize,
+        h: f32,
+    ) -> bool {
+        let scale = all.iter().map(|m| m.load).sum::<f32>() * self.options.gravity.length() * h;
+        let island = &mut all[..active];
+        let rows = number_rows(plan, island);
+        work.start(plan, island, rows);
+        let unrest = work.unrest(plan, island);
+        if unrest <= CALM * scale {
+            for member in all.iter() {
+                plan.calm[member.manifold as usize] = true;
+            }
+            return true;
+        }
+        let gain = self.hand_down_rows(plan, all.iter().map(|m| m.manifold));
+        !hand_down::is_hopeless(gain, unrest, scale)
     }
 
     /// Correction and a sweep over the island's contacts in turn, while the correction still finds something; whether
@@ -185,9 +214,6 @@ impl World {
         let cell = self.options.length_scale;
         let mut fine = None;
         let rounds = if is_new { 5 * ROUNDS } else { ROUNDS };
-        let levels = all[active - 1].level as usize;
-        let is_dear = active > MANY && active > WIDTH * levels;
-        let rounds = if is_dear { rounds.min(work.dear_rounds) } else { rounds };
         for round in 0..rounds {
             let island = &mut all[..active];
             let rows = number_rows(plan, island);
@@ -400,6 +426,11 @@ impl World {
             }
         });
     }
+}
+
+/// Whether an island is too wide to be corrected: its loads are handed down.
+pub(crate) fn is_dear(manifolds: usize, levels: usize) -> bool {
+    manifolds > MANY && manifolds > WIDTH * levels
 }
 
 fn normals_of(m: &ManifoldRows) -> std::ops::Range<usize> {

@@ -2,6 +2,7 @@
 
 pub mod block;
 pub mod block_ldl;
+pub mod hand_down;
 pub mod height;
 pub mod joint_tree;
 pub mod level_correction;

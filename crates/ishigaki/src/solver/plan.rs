@@ -10,6 +10,7 @@ use crate::constraint::row::RowSpec;
 use crate::math::Mat3;
 use crate::options::{Jointed, Permutation, SolverOptions};
 use crate::solver::block::{self, Block};
+use crate::solver::hand_down::HandDown;
 use crate::solver::joint_tree::Forest;
 use crate::solver::level_correction::LevelCorrection;
 use crate::solver::manifold_block::{self, ManifoldBlock};
@@ -63,6 +64,8 @@ pub struct Plan {
     pub(crate) chosen: Vec<bool>,
     /// Islands that are solved wide.
     pub wide: Wide,
+    /// Arrays of hand-down.
+    pub hand_down: HandDown,
     /// Arrays of level correction.
     pub level_correction: LevelCorrection,
 }

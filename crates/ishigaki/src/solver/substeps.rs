@@ -255,8 +255,13 @@ impl World {
 
     /// Level correction needs the masses as they are.
     pub(crate) fn corrects_levels(&self) -> bool {
+        self.options.solver.level_correction.enabled && self.knows_true_masses()
+    }
+
+    /// No technique makes bodies count as heavier than they are.
+    pub(crate) fn knows_true_masses(&self) -> bool {
         let options = &self.options.solver;
-        options.level_correction.enabled && !options.weight_amplification.enabled && !options.shock_propagation.enabled
+        !options.weight_amplification.enabled && !options.shock_propagation.enabled
     }
 
     fn blends_shock(&self) -> bool {
@@ -278,7 +283,6 @@ impl World {
 
     fn sweeps(&mut self, plan: &mut Plan, h: f32) {
         if self.corrects_levels() {
-            plan.level_correction.dear_rounds = usize::MAX;
             self.correct_levels(plan, h);
         }
         for sweep in 0..plan.sweeps {

@@ -47,6 +47,8 @@ pub struct IslandState {
     pub first_body: u32,
     /// Levels it has.
     pub levels: u32,
+    /// Manifolds it has.
+    pub manifolds: u32,
     /// Σλ_n, N·s.
     pub load: f32,
     /// Energy that visits to its rows would take, J.
@@ -141,7 +143,8 @@ impl Batch {
         }
         self.color();
         self.fill(source);
-        if source.options.solver.wide.seed && source.options.solver.warm_start.enabled {
+        let masses_are_true = !source.options.solver.weight_amplification.enabled;
+        if source.options.solver.wide.seed && source.options.solver.warm_start.enabled && masses_are_true {
             self.seed(source, source.dt / self.substeps as f32);
         }
         dispatch!(level, simd => {

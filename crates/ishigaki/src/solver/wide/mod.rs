@@ -8,12 +8,14 @@
 pub mod batch;
 pub mod contact_block;
 mod correction;
+mod handing;
 pub mod lanes;
 pub mod mover;
 mod seed;
 mod solve;
 mod split;
 
+use crate::solver::hand_down::HandDown;
 use crate::solver::plan::Plan;
 use batch::Batch;
 use fearless_simd::Level;
@@ -41,6 +43,7 @@ pub struct Wide {
     local_island: Vec<u32>,
     /// Rows of islands whose loads are corrected, as the reference has them.
     aid: Option<Box<Plan>>,
+    pub(crate) hand_down: HandDown,
 }
 
 impl Default for Wide {
@@ -59,6 +62,7 @@ impl Default for Wide {
             batch_of_island: Vec::new(),
             local_island: Vec::new(),
             aid: None,
+            hand_down: HandDown::default(),
         }
     }
 }

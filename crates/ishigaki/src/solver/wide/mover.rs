@@ -90,6 +90,24 @@ impl Mover {
         Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
     }
 
+    /// M^−½ times an impulse, N·s, and an angular impulse, N·m·s: the change of u' that they make.
+    pub fn pushed(&self, impulse: Vec3, torque: Vec3) -> Record {
+        let v = self.inverse_root_mass * impulse;
+        let [xx, xy, xz, yy, yz, zz] = self.inverse_root_inertia;
+        let w = Vec3::new(
+            xx * torque.x + xy * torque.y + xz * torque.z,
+            xy * torque.x + yy * torque.y + yz * torque.z,
+            xz * torque.x + yz * torque.y + zz * torque.z,
+        );
+        Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
+    }
+
+    /// M^½u' = (m v, I ω) of a mass-weighted velocity, N·s and N·m·s.
+    pub fn momentum(&self, u: &Record) -> (Vec3, Vec3) {
+        let [vx, vy, vz, _, wx, wy, wz, _] = u.0;
+        (self.root_mass * Vec3::new(vx, vy, vz), self.root_inertia * Vec3::new(wx, wy, wz))
+    }
+
     /// v += h(F/m + g), L += hτ, damping. Gives u'.
     pub fn begin(&mut self, h: f32) -> Record {
         let inverse = Vec3::splat(self.inverse_mass);

@@ -4,6 +4,7 @@
 //! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
 
 use crate::math::Vec3;
+use crate::solver::hand_down::{self, HandDown};
 use crate::solver::level_correction;
 use crate::solver::manifold_block;
 use crate::solver::penetration_recovery::Recovery;
@@ -25,14 +26,14 @@ impl World {
         let mut aid = wide.aid.take().unwrap_or_default();
         let mut batches = std::mem::take(&mut wide.batches);
         for batch in &mut batches[..wide.used] {
-            self.solve_batch(wide.level, batch, &mut aid, dt);
+            self.solve_batch(wide.level, batch, &mut aid, &mut wide.hand_down, dt);
         }
         self.report.work += std::mem::take(&mut aid.level_correction.work);
         wide.batches = batches;
         wide.aid = Some(aid);
     }
 
-    fn solve_batch(&mut self, level: Level, batch: &mut Batch, aid: &mut Plan, dt: f32) {
+    fn solve_batch(&mut self, level: Level, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, dt: f32) {
         let solver = &self.options.solver;
         let (substeps, relax_sweeps) = (batch.substeps, solver.relax_sweeps);
         // One substep has the sweeps of all.
@@ -56,7 +57,7 @@ impl World {
                 }
                 batch.measure::<false>(level, &pass);
                 batch.measure_unrest(level);
-                self.correct_batch(batch, aid, &pass);
+                self.correct_batch(batch, aid, hand_down, &pass);
                 for sweep in 0..sweeps {
                     order.before(sweep);
                     batch.sweep(level, &pass, order.reversed);
@@ -83,7 +84,7 @@ impl World {
     }
 
     /// Corrects the loads of stacks that are not at rest.
-    fn correct_batch(&mut self, batch: &mut Batch, aid: &mut Plan, pass: &SweepPass) {
+    fn correct_batch(&mut self, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, pass: &SweepPass) {
         let g = self.options.gravity.length();
         let mut wanted = std::mem::take(&mut aid.chosen);
         wanted.clear();
@@ -93,13 +94,29 @@ impl World {
                 || self.bodies.at(island.first_body).no_correction_until > self.step_count;
             wanted.push(!is_calm && !pauses && island.levels > 1);
         }
+        if self.options.solver.hand_down.enabled && self.corrects_levels() {
+            self.hand_down_dear(batch, hand_down, &mut wanted, pass);
+        }
         if self.corrects_levels() && wanted.contains(&true) {
-            // At rest there is little to find, and the next step finds more.
-            let rests = batch.substeps < self.options.solver.substeps;
-            aid.level_correction.dear_rounds = if rests { 1 } else { usize::MAX };
             self.correct_loads(batch, aid, &wanted, pass);
         }
         aid.chosen = wanted;
+    }
+
+    /// Takes the islands out of `wanted` that are too dear for level correction, and hands their loads down.
+    fn hand_down_dear(&mut self, batch: &mut Batch, work: &mut HandDown, wanted: &mut [bool], pass: &SweepPass) {
+        let g = self.options.gravity.length();
+        for index in 0..wanted.len() {
+            let island = batch.islands[index];
+            if !(wanted[index] && level_correction::is_dear(island.manifolds as usize, island.levels as usize)) {
+                continue;
+            }
+            wanted[index] = false;
+            let gain = self.hand_down(batch, work, index as u32);
+            if hand_down::is_hopeless(gain, island.unrest, island.load * g * pass.h) {
+                self.bodies.at_mut(island.first_body).no_correction_until = self.step_count + hand_down::PAUSE;
+            }
+        }
     }
 
     fn move_batch(&self, batch: &mut Batch, h: f32) {

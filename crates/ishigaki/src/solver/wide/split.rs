@@ -175,6 +175,7 @@ impl World {
             let island = wide.local_island[self.bodies.at(slot).island as usize];
             let state = &mut batch.islands[island as usize];
             state.first_body = state.first_body.min(slot);
+            state.manifolds += contact.manifolds.len() as u32;
             for manifold in 0..contact.manifolds.len() {
                 let bodies = slots.map(|s| wide.index_of[s as usize]);
                 batch.places.push(Place::new(index as u32, manifold as u32, bodies, island));

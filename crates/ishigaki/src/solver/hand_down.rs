@@ -1,0 +1,369 @@
+//! Hand-down: what each body is to be rid of goes to its supports, from the top of a stack to the ground. Beyond the
+//! talk; it uses its heights (D5).
+//!
+//! At rest a body passes on all that acts on it: its own momentum error p = M u and what the bodies above handed to
+//! it. Over the points it stands on, the least impulses that make up a wrench are f = Gᵀ(GGᵀ)⁻¹p, G the map from point
+//! forces to a wrench (six numbers, so six unknowns for a body, however many points). Points that would pull are let
+//! go, friction ends at its cone. One pass over the bodies by height solves a whole stack, however wide: linear where
+//! `level_correction.rs` factors a sparse matrix. What it finds is a direction d from the impulses as they are, taken
+//! as far as it lowers the energy of the residual, α = clamp(−wᵀd / dᵀAd, 0, 1): it can only help. Loops, and contacts
+//! between bodies of one height, are left to sweeps.
+//! Source of the least-norm distribution: Moore–Penrose inverse of a full-rank G; of the step length: exact line search
+//! on the quadratic whose minimum is the box LCP.
+//! Option: `solver.hand_down`; proved by the tests here and by `tests/hand_down.rs`.
+
+use crate::body::NO_HEIGHT;
+use crate::collision::manifold::Manifold;
+use crate::math::{Mat3, Vec3, skew, tangents};
+use crate::solver::level_correction;
+use crate::solver::plan::Plan;
+use crate::solver::table::SolverBody;
+use crate::world::World;
+
+/// Added to GGᵀ in parts of its diagonal: what supports cannot bear is left, not divided by nothing.
+const EPSILON: f32 = 1e-4;
+/// Tries with fewer points.
+const TRIES: usize = 3;
+
+/// Steps for which an island rests that hand-down did not help.
+pub(crate) const PAUSE: u64 = level_correction::PAUSE;
+
+/// Whether bodies rather hit each other than rest, and little was gained: energies in J; `scale` = Σλ g h.
+pub(crate) fn is_hopeless(gain: f32, unrest: f32, scale: f32) -> bool {
+    gain < level_correction::HOPELESS * unrest && unrest > level_correction::TUMBLING * scale
+}
+
+/// Force impulse, N·s, and torque impulse about the center of mass, N·m·s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wrench {
+    /// N·s.
+    pub linear: Vec3,
+    /// N·m·s.
+    pub angular: Vec3,
+}
+
+impl Wrench {
+    fn add(&mut self, impulse: Vec3, arm: Vec3) {
+        self.linear += impulse;
+        self.angular += arm.cross(impulse);
+    }
+}
+
+/// A point that may bear.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Point {
+    /// From the center of the upper body, m.
+    pub arm_upper: Vec3,
+    /// From the center of the lower, m.
+    pub arm_lower: Vec3,
+    /// Impulse on the upper body along normal and tangents, N·s.
+    pub lambda: Vec3,
+    /// It bears, or is about to.
+    pub is_active: bool,
+    /// d: what hand-down adds to `lambda`, N·s.
+    pub change: Vec3,
+}
+
+/// A manifold between a body and one that stands lower.
+#[derive(Clone, Copy, Debug)]
+pub struct Support {
+    /// Index of the body that stands on it.
+    pub upper: u32,
+    /// Index of the body that bears; 0 for the ground.
+    pub lower: u32,
+    /// Height of the upper body, hops.
+    pub height: u32,
+    /// What the caller knows it by.
+    pub name: u32,
+    /// Columns: normal toward the upper body, two tangents.
+    pub axes: Mat3,
+    /// Coulomb's μ.
+    pub friction: f32,
+    /// How many points.
+    pub count: u32,
+    /// The first `count` are of it.
+    pub points: [Point; 4],
+}
+
+impl Support {
+    /// A manifold of two bodies, with no impulses yet and all points active; `None` where neither stands on the other.
+    pub(crate) fn new(
+        name: u32,
+        manifold: &Manifold,
+        bodies: [u32; 2],
+        heights: [u32; 2],
+        friction: f32,
+    ) -> Option<Self> {
+        if heights[0] == heights[1] || heights.contains(&NO_HEIGHT) {
+            return None;
+        }
+        let upper = usize::from(heights[1] > heights[0]);
+        // Impulses are those on A.
+        let sign = if upper == 0 { 1.0 } else { -1.0 };
+        let (t1, t2) = tangents(manifold.normal);
+        let mut points = [Point::default(); 4];
+        for (to, from) in points.iter_mut().zip(&manifold.points) {
+            let arms = [from.arm_a, from.arm_b];
+            (to.arm_upper, to.arm_lower, to.is_active) = (arms[upper], arms[1 - upper], true);
+        }
+        Some(Self {
+            upper: bodies[upper],
+            lower: bodies[1 - upper],
+            height: heights[upper],
+            name,
+            axes: Mat3::from_cols(sign * manifold.normal, sign * t1, sign * t2),
+            friction,
+            count: manifold.points.len() as u32,
+            points,
+        })
+    }
+}
+
+/// Arrays that are used again.
+#[derive(Clone, Debug, Default)]
+pub struct HandDown {
+    /// All manifolds between bodies of different heights; sorted from the top down by [`Self::solve`].
+    pub supports: Vec<Support>,
+    /// By body: what it is to be rid of, −p.
+    pub needs: Vec<Wrench>,
+    /// By body: what all changes together push it with.
+    pub pushes: Vec<Wrench>,
+}
+
+impl HandDown {
+    /// Forgets all; makes room for `bodies` bodies, the ground among them.
+    pub fn clear(&mut self, bodies: usize) {
+        self.supports.clear();
+        for wrenches in [&mut self.needs, &mut self.pushes] {
+            wrenches.clear();
+            wrenches.resize(bodies, Wrench::default());
+        }
+    }
+
+    /// Fills in `change` of all points and `pushes`; multiply-adds of that.
+    pub fn solve(&mut self) -> u64 {
+        self.supports.sort_unstable_by_key(|s| (std::cmp::Reverse(s.height), s.upper, s.name));
+        let mut work = 0;
+        for standing in self.supports.chunk_by_mut(|a, b| a.upper == b.upper) {
+            work += distribute(standing, self.needs[standing[0].upper as usize]);
+            for support in standing.iter() {
+                for point in &support.points[..support.count as usize] {
+                    let impulse = support.axes * point.change;
+                    self.pushes[support.upper as usize].add(impulse, point.arm_upper);
+                    self.pushes[support.lower as usize].add(-impulse, point.arm_lower);
+                    // The reaction is one more thing that the lower body is to be rid of.
+                    self.needs[support.lower as usize].add(impulse, point.arm_lower);
+                }
+            }
+        }
+        work
+    }
+}
+
+/// Where a direction leads: the energy ½uᵀMu + biasᵀλ along it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Search {
+    /// wᵀd, J.
+    pub slope: f64,
+    /// dᵀAd, J.
+    pub curvature: f64,
+}
+
+impl Search {
+    /// α and the energy it takes away, J.
+    pub fn step(&self) -> (f32, f32) {
+        if self.curvature <= 0.0 {
+            return (0.0, 0.0);
+        }
+        let alpha = (-self.slope / self.curvature).clamp(0.0, 1.0);
+        (alpha as f32, (-alpha * self.slope - 0.5 * alpha * alpha * self.curvature) as f32)
+    }
+}
+
+impl World {
+    /// Hands down the momentum of bodies that these manifolds of the reference connect; the energy of the residual
+    /// that it took away, J.
+    pub(crate) fn hand_down_rows(&self, plan: &mut Plan, manifolds: impl Iterator<Item = u32>) -> f32 {
+        let mut work = std::mem::take(&mut plan.hand_down);
+        work.clear(plan.bodies.len());
+        for name in manifolds {
+            work.supports.extend(self.support_of_rows(plan, name));
+        }
+        for support in &work.supports {
+            for body in [support.upper, support.lower] {
+                let of = &plan.bodies[body as usize];
+                if body != 0 && of.inverse_mass != Vec3::ZERO {
+                    let inertia = of.inverse_inertia.inverse();
+                    work.needs[body as usize] =
+                        Wrench { linear: -of.velocity / of.inverse_mass, angular: -(inertia * of.angular_velocity) };
+                }
+            }
+        }
+        plan.level_correction.work += work.solve();
+        let mut search = Search::default();
+        for (push, body) in work.pushes.iter().zip(&plan.bodies) {
+            let (v, w) = moved(push, body);
+            search.slope += f64::from(push.linear.dot(body.velocity) + push.angular.dot(body.angular_velocity));
+            search.curvature += f64::from(push.linear.dot(v) + push.angular.dot(w));
+        }
+        for support in &work.supports {
+            let m = &plan.manifolds[support.name as usize];
+            let normals = &plan.rows[(m.first + m.layout.first_normal()) as usize..];
+            for (point, row) in support.points[..support.count as usize].iter().zip(normals) {
+                search.slope += f64::from(row.bias * point.change.x);
+            }
+        }
+        let (alpha, gain) = search.step();
+        if gain > 0.0 {
+            take(plan, &work, alpha);
+        }
+        plan.hand_down = work;
+        gain
+    }
+
+    fn support_of_rows(&self, plan: &Plan, name: u32) -> Option<Support> {
+        let m = &plan.manifolds[name as usize];
+        let manifold = &self.contacts[m.contact as usize].manifolds[m.manifold as usize];
+        let rows = &plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
+        let normals = &rows[m.layout.first_normal() as usize..];
+        let bodies = [normals[0].body_a, normals[0].body_b];
+        let heights = bodies.map(|b| plan.bodies[b as usize].height);
+        let mut support = Support::new(name, manifold, bodies, heights, m.surface.friction)?;
+        for (i, (point, row)) in support.points.iter_mut().zip(&normals[..manifold.points.len()]).enumerate() {
+            point.lambda.x = row.lambda;
+            point.is_active = row.lambda > 0.0 || row.velocity(&plan.bodies) + row.bias <= 0.0;
+            if m.layout.tangents > 0 {
+                (point.lambda.y, point.lambda.z) = (rows[2 * i].lambda, rows[2 * i + 1].lambda);
+            }
+        }
+        Some(support)
+    }
+}
+
+fn moved(push: &Wrench, body: &SolverBody) -> (Vec3, Vec3) {
+    (body.inverse_mass * push.linear, body.inverse_inertia * push.angular)
+}
+
+/// λ += αd, u += αM⁻¹Jᵀd.
+fn take(plan: &mut Plan, work: &HandDown, alpha: f32) {
+    for support in &work.supports {
+        let m = &plan.manifolds[support.name as usize];
+        let rows = &mut plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
+        for (i, point) in support.points[..support.count as usize].iter().enumerate() {
+            rows[m.layout.first_normal() as usize + i].lambda += alpha * point.change.x;
+            if m.layout.tangents > 0 {
+                rows[2 * i].lambda += alpha * point.change.y;
+                rows[2 * i + 1].lambda += alpha * point.change.z;
+            }
+        }
+    }
+    for (push, body) in work.pushes.iter().zip(&mut plan.bodies) {
+        let (v, w) = moved(push, body);
+        body.velocity += alpha * v;
+        body.angular_velocity += alpha * w;
+    }
+}
+
+/// Changes of the points under one body that make up `need`, as far as they can.
+fn distribute(standing: &mut [Support], need: Wrench) -> u64 {
+    let mut work = 0;
+    for support in standing.iter_mut() {
+        for point in &mut support.points {
+            point.change = Vec3::ZERO;
+        }
+    }
+    for _ in 0..TRIES {
+        let size = arms(standing).map(|a| a.length()).fold(0.0, f32::max).max(1e-9);
+        let mut rest = need;
+        let mut gram = Gram::default();
+        for support in standing.iter() {
+            for point in &support.points[..support.count as usize] {
+                if point.is_active {
+                    gram.add(point.arm_upper / size);
+                } else {
+                    rest.add(support.axes * -point.change, point.arm_upper);
+                }
+            }
+        }
+        let Some((force, torque)) = gram.solve(rest.linear, rest.angular / size) else { break };
+        work += u64::from(gram.points) * 40 + 90;
+        if !release_pulled(standing, |arm| force + torque.cross(arm / size)) {
+            break;
+        }
+    }
+    for support in standing.iter_mut() {
+        for point in &mut support.points[..support.count as usize] {
+            hold_at_cone(point, support.friction);
+        }
+    }
+    work
+}
+
+fn arms(standing: &[Support]) -> impl Iterator<Item = Vec3> + '_ {
+    let points = standing.iter().flat_map(|s| &s.points[..s.count as usize]);
+    points.filter(|p| p.is_active).map(|p| p.arm_upper)
+}
+
+/// Sets the changes of active points; those that would pull are let go. Whether there were any.
+fn release_pulled(standing: &mut [Support], impulse_at: impl Fn(Vec3) -> Vec3) -> bool {
+    let mut any = false;
+    for support in standing {
+        let to_axes = support.axes.transpose();
+        for point in support.points[..support.count as usize].iter_mut().filter(|p| p.is_active) {
+            point.change = to_axes * impulse_at(point.arm_upper);
+            if point.lambda.x + point.change.x < 0.0 {
+                point.change = -point.lambda;
+                point.is_active = false;
+                any = true;
+            }
+        }
+    }
+    any
+}
+
+/// |λ_t| ≤ μ λ_n after the change.
+fn hold_at_cone(point: &mut Point, friction: f32) {
+    let lambda = point.lambda + point.change;
+    let reach = friction * lambda.x.max(0.0);
+    let length = (lambda.y * lambda.y + lambda.z * lambda.z).sqrt();
+    if length > reach {
+        let shrink = reach / length;
+        point.change.y = shrink * lambda.y - point.lambda.y;
+        point.change.z = shrink * lambda.z - point.lambda.z;
+    }
+}
+
+/// GGᵀ of points on unit arms: [n·1, −Σ[a]ₓ; Σ[a]ₓ, −Σ[a]ₓ²].
+#[derive(Clone, Copy, Debug, Default)]
+struct Gram {
+    points: u32,
+    arm: Vec3,
+    inertia: Mat3,
+}
+
+impl Gram {
+    fn add(&mut self, arm: Vec3) {
+        self.points += 1;
+        self.arm += arm;
+        let cross = skew(arm);
+        self.inertia += cross.transpose() * cross;
+    }
+
+    /// y with (GGᵀ + ε) y = (linear, angular), by the Schur complement of the linear part; `None` without points.
+    fn solve(&self, linear: Vec3, angular: Vec3) -> Option<(Vec3, Vec3)> {
+        if self.points == 0 {
+            return None;
+        }
+        let n = self.points as f32;
+        let mean = self.arm / n;
+        let cross = skew(mean);
+        let about_mean = self.inertia - n * (cross.transpose() * cross);
+        let softness = EPSILON * n;
+        let inverse = (about_mean + Mat3::from_diagonal(Vec3::splat(softness))).inverse();
+        let torque = inverse * (angular - mean.cross(linear));
+        if !torque.is_finite() {
+            return None;
+        }
+        Some((linear / n - torque.cross(mean), torque))
+    }
+}
