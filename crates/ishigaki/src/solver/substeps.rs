@@ -7,6 +7,7 @@
 //! Proved by `tests/laws_pendulum.rs`, `tests/laws_momentum.rs`.
 
 use crate::body::{BodyState, unlocked};
+use crate::collision::manifold::Contact;
 use crate::constraint::contact;
 use crate::constraint::frame::JointStep;
 use crate::constraint::joint_rows::reaction;
@@ -27,7 +28,9 @@ impl World {
     pub(crate) fn solve(&mut self, plan: &mut Plan, dt: f32) {
         let substeps = plan.substeps;
         let h = dt / substeps as f32;
-        for manifold in self.contacts.iter_mut().flat_map(|c| &mut c.manifolds) {
+        // Those of the wide path are written by it.
+        let narrow = |c: &&mut Contact| !(plan.wide.takes(c.body_a) || plan.wide.takes(c.body_b));
+        for manifold in self.contacts.iter_mut().filter(narrow).flat_map(|c| &mut c.manifolds) {
             for point in &mut manifold.points {
                 point.impulse = 0.0;
             }

@@ -1,15 +1,16 @@
 //! Islands that are solved together while they are in the cache: bodies, blocks of manifolds, and their colors.
 //!
 //! Manifolds get the lowest color that none of their bodies has yet, in the order of contacts; eight of a color make
-//! a block. Colors depend on islands and contacts alone, never on lanes or threads.
+//! a block, if they are of about as many points. Colors depend on islands and contacts alone, never on lanes or threads.
 
 use crate::body::{BodyState, NO_HEIGHT};
-use crate::collision::manifold::{Contact, Manifold};
+use crate::collision::feature_id::{Feature, FeatureId};
+use crate::collision::manifold::{Contact, ContactPoint, Manifold};
 use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::options::{FrictionModel, SolverOptions, WorldOptions};
 use crate::solver::weight_amplification;
-use crate::solver::wide::contact_block::{ContactBlock, RootInertia, ScaleLanes, prepare};
+use crate::solver::wide::contact_block::{ContactBlock, RootInertia, ScaleLanes, Size, prepare};
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::Mover;
 use fearless_simd::{Level, dispatch};
@@ -19,6 +20,17 @@ const COLORS: usize = 64;
 
 /// A body that moves no faster than this part of what aggressive sleep calls rest is not about to go.
 const CALM_SPEED: f32 = 0.2;
+
+/// What fills the lanes of a block beyond the points of a manifold.
+const NO_POINT: ContactPoint = ContactPoint {
+    arm_a: Vec3::ZERO,
+    arm_b: Vec3::ZERO,
+    separation: 0.0,
+    id: FeatureId::new(Feature::unknown(0), Feature::unknown(0)),
+    lambda_normal: 0.0,
+    lambda_friction: Vec3::ZERO,
+    impulse: 0.0,
+};
 
 /// Where a manifold is.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +44,8 @@ pub struct Place {
     /// Island, local to the batch.
     pub island: u32,
     color: u32,
+    /// Points of its block, at most.
+    pub size: Size,
     /// Block.
     pub block: u32,
     /// Lane of the block.
@@ -83,7 +97,8 @@ pub struct Batch {
     /// Of each block and lane: energy that visits to its rows would take, J.
     pub unrest: Vec<Lane>,
     used_colors: Vec<u64>,
-    color_counts: Vec<u32>,
+    /// By color and size: first how many manifolds, then the first block.
+    counts_of: Vec<[u32; Size::ALL.len()]>,
     roots: Vec<[RootInertia; 2]>,
     counts: Vec<Lane>,
 }
@@ -106,7 +121,7 @@ pub(crate) struct Source<'a> {
 impl Place {
     /// A manifold before it has a color.
     pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
-        Self { contact, manifold, bodies, island, color: 0, block: 0, lane: 0 }
+        Self { contact, manifold, bodies, island, color: 0, size: Size::Four, block: 0, lane: 0 }
     }
 }
 
@@ -141,7 +156,7 @@ impl Batch {
             records.clear();
             records.resize(self.movers.len() + 1, ground);
         }
-        self.color();
+        self.color(source.contacts);
         self.fill(source);
         let masses_are_true = !source.options.solver.weight_amplification.enabled;
         if source.options.solver.wide.seed && source.options.solver.warm_start.enabled && masses_are_true {
@@ -155,11 +170,12 @@ impl Batch {
         });
     }
 
-    fn color(&mut self) {
+    /// Colors of the manifolds; blocks for each color and size.
+    fn color(&mut self, contacts: &[Contact]) {
         self.used_colors.clear();
         self.used_colors.resize(self.movers.len() + 1, 0);
-        self.color_counts.clear();
-        self.color_counts.resize(COLORS, 0);
+        self.counts_of.clear();
+        self.counts_of.resize(COLORS, [0; Size::ALL.len()]);
         for place in &mut self.places {
             let taken = place.bodies.iter().filter(|&&b| b != 0).fold(0, |m, &b| m | self.used_colors[b as usize]);
             let color = taken.trailing_ones() as usize;
@@ -169,29 +185,51 @@ impl Batch {
                 }
                 place.color = color as u32;
             } else {
-                place.color = self.color_counts.len() as u32;
-                self.color_counts.push(0);
+                place.color = self.counts_of.len() as u32;
+                self.counts_of.push([0; Size::ALL.len()]);
             }
-            place.lane = self.color_counts[place.color as usize];
-            self.color_counts[place.color as usize] += 1;
+            let manifold = &contacts[place.contact as usize].manifolds[place.manifold as usize];
+            place.size = Size::of(manifold.points.len());
+            let count = &mut self.counts_of[place.color as usize][place.size as usize];
+            place.lane = *count;
+            *count += 1;
         }
-        let mut first = 0;
-        for count in &mut self.color_counts {
-            let blocks = count.div_ceil(LANES as u32);
-            *count = first;
-            first += blocks;
-        }
+        self.make_blocks();
         for place in &mut self.places {
             let index = place.lane;
-            place.block = self.color_counts[place.color as usize] + index / LANES as u32;
+            place.block = self.counts_of[place.color as usize][place.size as usize] + index / LANES as u32;
             place.lane = index % LANES as u32;
         }
-        self.blocks.clear();
-        self.blocks.resize(first as usize, ContactBlock::EMPTY);
-        self.roots.clear();
-        self.roots.resize(first as usize, [[[0.0; LANES]; 6]; 2]);
-        self.counts.clear();
-        self.counts.resize(first as usize, [0.0; LANES]);
+    }
+
+    /// Blocks for what was counted. Full ones are written over as they are, lane by lane: only those with lanes that
+    /// nothing fills are emptied.
+    fn make_blocks(&mut self) {
+        let mut first = 0;
+        for of_color in &mut self.counts_of {
+            for (count, size) in of_color.iter_mut().zip(Size::ALL) {
+                let blocks = count.div_ceil(LANES as u32) as usize;
+                if self.blocks.len() < first + blocks {
+                    self.blocks.resize(first + blocks, ContactBlock::EMPTY);
+                    self.roots.resize(first + blocks, [[[0.0; LANES]; 6]; 2]);
+                    self.counts.resize(first + blocks, [0.0; LANES]);
+                }
+                for block in &mut self.blocks[first..first + blocks] {
+                    block.size = size;
+                }
+                if !count.is_multiple_of(LANES as u32) {
+                    let last = first + blocks - 1;
+                    self.blocks[last] = ContactBlock { size, ..ContactBlock::EMPTY };
+                    self.roots[last] = [[[0.0; LANES]; 6]; 2];
+                    self.counts[last] = [0.0; LANES];
+                }
+                *count = first as u32;
+                first += blocks;
+            }
+        }
+        self.blocks.truncate(first);
+        self.roots.truncate(first);
+        self.counts.truncate(first);
     }
 
     fn fill(&mut self, source: &Source<'_>) {
@@ -219,15 +257,15 @@ impl Batch {
         let block = &mut self.blocks[block];
         block.friction[lane] = friction;
         set(&mut block.normal, lane, manifold.normal);
-        for (i, point) in manifold.points.iter().enumerate() {
+        let friction_scale = if friction > 0.0 { warm_scale } else { 0.0 };
+        for i in 0..block.size.points() {
             let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
+            let point = manifold.points.get(i).unwrap_or(&NO_POINT);
             set(&mut p.angular_a, lane, point.arm_a);
             set(&mut p.angular_b, lane, point.arm_b);
             p.separation[lane] = point.separation;
             p.lambda[lane] = point.lambda_normal * warm_scale;
-            if friction > 0.0 {
-                set(&mut disk.angular_a[0], lane, point.lambda_friction * warm_scale);
-            }
+            set(&mut disk.angular_a[0], lane, point.lambda_friction * friction_scale);
         }
     }
 
@@ -235,10 +273,11 @@ impl Batch {
         let rows = &mut self.blocks[block];
         (rows.body_a[lane], rows.body_b[lane]) = (bodies[0], bodies[1]);
         for (side, &body) in bodies.iter().enumerate() {
-            let Some(mover) = (body as usize).checked_sub(1).map(|i| &self.movers[i]) else { continue };
+            let mover = (body as usize).checked_sub(1).map(|i| &self.movers[i]);
             let root = if side == 0 { &mut rows.root_a } else { &mut rows.root_b };
-            root[lane] = mover.inverse_root_mass;
-            for (lanes, value) in self.roots[block][side].iter_mut().zip(mover.inverse_root_inertia) {
+            root[lane] = mover.map_or(0.0, |m| m.inverse_root_mass);
+            let inertia = mover.map_or([0.0; 6], |m| m.inverse_root_inertia);
+            for (lanes, value) in self.roots[block][side].iter_mut().zip(inertia) {
                 lanes[lane] = value;
             }
         }

@@ -21,6 +21,60 @@ pub const POINTS: usize = 4;
 const ZERO: Lane = [0.0; LANES];
 const ZERO3: Lane3 = [ZERO; 3];
 
+/// Points of the manifolds of a block, at most. Balls and edges would pay for faces otherwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Size {
+    /// Balls.
+    One,
+    /// Edges.
+    Two,
+    /// Faces.
+    Four,
+}
+
+impl Size {
+    /// All of them, the smallest first.
+    pub const ALL: [Self; 3] = [Self::One, Self::Two, Self::Four];
+
+    /// The smallest that holds a manifold.
+    pub fn of(points: usize) -> Self {
+        match points {
+            0 | 1 => Self::One,
+            2 => Self::Two,
+            _ => Self::Four,
+        }
+    }
+
+    /// How many points.
+    pub fn points(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Two => 2,
+            Self::Four => POINTS,
+        }
+    }
+}
+
+/// A kernel made for the size of the block: its loops have a known length.
+macro_rules! by_size {
+    ($size:expr, $n:ident => $call:expr) => {
+        match $size {
+            Size::One => {
+                const $n: usize = 1;
+                $call
+            }
+            Size::Two => {
+                const $n: usize = 2;
+                $call
+            }
+            Size::Four => {
+                const $n: usize = POINTS;
+                $call
+            }
+        }
+    };
+}
+
 /// One point of eight manifolds.
 #[derive(Clone, Copy, Debug)]
 pub struct PointLanes {
@@ -34,7 +88,7 @@ pub struct PointLanes {
     pub effective_mass: Lane,
     /// Normal impulse, N·s.
     pub lambda: Lane,
-    /// At the start of the step, m; advanced to its end when all substeps are done.
+    /// At the start of the step, m; at its end after the last motion.
     pub separation: Lane,
     /// Of the normal row in this substep, m/s.
     pub bias: Lane,
@@ -87,6 +141,8 @@ pub struct ContactBlock {
     pub root_b: Lane,
     /// Coulomb's μ.
     pub friction: Lane,
+    /// Points that the fullest of the eight has: 1, 2 or 4; beyond them nothing is read.
+    pub size: Size,
     /// J'J'ᵀ of points 01, 02, 03, 12, 13, 23.
     pub coupling: [Lane; 6],
     /// Normals.
@@ -104,6 +160,7 @@ impl ContactBlock {
         root_a: ZERO,
         root_b: ZERO,
         friction: ZERO,
+        size: Size::Four,
         coupling: [ZERO; 6],
         points: [PointLanes {
             angular_a: ZERO3,
@@ -286,13 +343,24 @@ pub fn prepare<S: Simd>(
     roots: &[RootInertia; 2],
     counts: &Lane,
 ) {
+    by_size!(block.size, N => prepare_points::<S, N>(simd, block, scale, roots, counts))
+}
+
+#[inline(always)]
+fn prepare_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &mut ContactBlock,
+    scale: &ScaleLanes,
+    roots: &[RootInertia; 2],
+    counts: &Lane,
+) {
     let n = V3::load(simd, &block.normal);
     let t = tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
     let counts = load(simd, counts);
-    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; POINTS];
-    for i in 0..POINTS {
+    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
+    for i in 0..N {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
         let exists = counts.simd_gt(splat(simd, i as f32));
         let kept = exists.select(splat(simd, 1.0), zero);
@@ -313,6 +381,7 @@ pub fn prepare<S: Simd>(
         normal.angular_b.store(&mut p.angular_b);
         store(k, &mut p.k);
         store(effective_mass, &mut p.effective_mass);
+        store(zero, &mut p.total);
         normals[i] = normal;
 
         let impulse = V3::load(simd, &disk.angular_a[0]);
@@ -324,8 +393,8 @@ pub fn prepare<S: Simd>(
         }
         prepare_disk(simd, disk, &tangent, &masses, kept);
     }
-    for i in 0..POINTS {
-        for j in i + 1..POINTS {
+    for i in 0..N {
+        for j in i + 1..N {
             store(normals[i].inner(&normals[j], &masses), &mut block.coupling[pair(i, j)]);
         }
     }
@@ -352,11 +421,21 @@ fn prepare_disk<S: Simd>(simd: S, disk: &mut DiskLanes, rows: &[RowLanes<S>; 2],
 /// u' += J'ᵀλ for all impulses of a block.
 #[inline(always)]
 pub fn warm_start<S: Simd>(simd: S, block: &ContactBlock, scale: &ScaleLanes, velocities: &mut [Record]) {
+    by_size!(block.size, N => warm_start_points::<S, N>(simd, block, scale, velocities))
+}
+
+#[inline(always)]
+fn warm_start_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &ContactBlock,
+    scale: &ScaleLanes,
+    velocities: &mut [Record],
+) {
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
     let t = tangents(simd, n);
     let mut sides = Sides::gather(simd, velocities, block);
-    for i in 0..POINTS {
+    for i in 0..N {
         let (p, disk) = (&block.points[i], &block.disks[i]);
         row_of(simd, n, &p.angular_a, &p.angular_b).push(load(simd, &p.lambda), &masses, &mut sides);
         for k in 0..2 {
@@ -372,9 +451,20 @@ fn row_of<S: Simd>(simd: S, direction: V3<S>, angular_a: &Lane3, angular_b: &Lan
     RowLanes { direction, angular_a: V3::load(simd, angular_a), angular_b: V3::load(simd, angular_b) }
 }
 
-/// Biases of the normals for the displacements as they are; with `RELAX` without recovery.
+/// Biases of the normals for the displacements as they are; with `RELAX` without recovery, with `LAST`
+/// they become the separations that are stored.
 #[inline(always)]
-pub fn measure<S: Simd, const RELAX: bool>(
+pub fn measure<S: Simd, const RELAX: bool, const LAST: bool>(
+    simd: S,
+    block: &mut ContactBlock,
+    displacements: &[Record],
+    pass: &SweepPass,
+) {
+    by_size!(block.size, N => measure_points::<S, RELAX, LAST, N>(simd, block, displacements, pass))
+}
+
+#[inline(always)]
+fn measure_points<S: Simd, const RELAX: bool, const LAST: bool, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
     displacements: &[Record],
@@ -385,7 +475,7 @@ pub fn measure<S: Simd, const RELAX: bool>(
     let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
     let zero = splat(simd, 0.0);
     let h = splat(simd, pass.h);
-    for p in &mut block.points {
+    for p in &mut block.points[..N] {
         let row = row_of(simd, n, &p.angular_a, &p.angular_b);
         let s = load(simd, &p.separation) + row.velocity(relative, &moved);
         let deadband = splat(simd, if pass.warm { pass.recovery.deadband } else { 0.0 });
@@ -400,6 +490,9 @@ pub fn measure<S: Simd, const RELAX: bool>(
             -push.simd_lt(fastest).select(push, fastest)
         };
         store(s.simd_gt(zero).select(gap, overlap), &mut p.bias);
+        if LAST {
+            store(s, &mut p.separation);
+        }
     }
 }
 
@@ -412,13 +505,24 @@ pub fn visit<S: Simd>(
     velocities: &mut [Record],
     pass: &SweepPass,
 ) {
+    by_size!(block.size, N => visit_points::<S, N>(simd, block, scale, velocities, pass))
+}
+
+#[inline(always)]
+fn visit_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &mut ContactBlock,
+    scale: &ScaleLanes,
+    velocities: &mut [Record],
+    pass: &SweepPass,
+) {
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
     let mut sides = Sides::gather(simd, velocities, block);
-    visit_normals(simd, block, n, &masses, &mut sides, pass.passes);
+    visit_normals::<S, N>(simd, block, n, &masses, &mut sides, pass.passes);
     let t = tangents(simd, n);
     let mu = load(simd, &block.friction);
-    for i in 0..POINTS {
+    for i in 0..N {
         let reach = mu * positive(simd, load(simd, &block.points[i].lambda));
         visit_disk(simd, &mut block.disks[i], t, reach, &masses, &mut sides);
     }
@@ -427,7 +531,7 @@ pub fn visit<S: Simd>(
 
 /// Gauss–Seidel on the normals alone: the bodies are read once and pushed once.
 #[inline(always)]
-fn visit_normals<S: Simd>(
+fn visit_normals<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
     n: V3<S>,
@@ -438,19 +542,19 @@ fn visit_normals<S: Simd>(
     let zero = splat(simd, 0.0);
     let relative = sides.relative(masses.root_a, masses.root_b);
     let along = n.dot(relative);
-    let (mut w, mut lambda) = ([zero; POINTS], [zero; POINTS]);
-    for i in 0..POINTS {
+    let (mut w, mut lambda) = ([zero; N], [zero; N]);
+    for i in 0..N {
         let p = &block.points[i];
         let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         w[i] = along + a.dot(sides.angular_a) + b.dot(sides.angular_b) + load(simd, &p.bias);
         lambda[i] = load(simd, &p.lambda);
     }
     for _ in 0..passes {
-        for i in 0..POINTS {
+        for i in 0..N {
             let next = positive(simd, lambda[i] - w[i] * load(simd, &block.points[i].effective_mass));
             let change = next - lambda[i];
             lambda[i] = next;
-            for j in 0..POINTS {
+            for j in 0..N {
                 let k = if i == j {
                     &block.points[i].k
                 } else {
@@ -461,7 +565,7 @@ fn visit_normals<S: Simd>(
         }
     }
     let mut sum = zero;
-    for i in 0..POINTS {
+    for i in 0..N {
         let p = &mut block.points[i];
         let change = lambda[i] - load(simd, &p.lambda);
         store(lambda[i], &mut p.lambda);
@@ -521,6 +625,11 @@ pub struct Unrest<S: Simd> {
 /// Looks at a block without a visit.
 #[inline(always)]
 pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
+    by_size!(block.size, N => inspect_points::<S, N>(simd, block, velocities))
+}
+
+#[inline(always)]
+fn inspect_points<S: Simd, const N: usize>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
     let n = V3::load(simd, &block.normal);
     let t = tangents(simd, n);
     let sides = Sides::gather(simd, velocities, block);
@@ -528,7 +637,7 @@ pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) ->
     let mu = load(simd, &block.friction);
     let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
     let mut unrest = Unrest { residual: zero, energy: zero };
-    for (p, disk) in block.points.iter().zip(&block.disks) {
+    for (p, disk) in block.points[..N].iter().zip(&block.disks) {
         let lambda = load(simd, &p.lambda);
         let row = row_of(simd, n, &p.angular_a, &p.angular_b);
         let w = row.velocity(relative, &sides) + load(simd, &p.bias);
@@ -557,19 +666,12 @@ pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) ->
 /// Adds λ to the sums over the substeps.
 #[inline(always)]
 pub fn add_up<S: Simd>(simd: S, block: &mut ContactBlock) {
-    for p in &mut block.points {
-        store(load(simd, &p.total) + load(simd, &p.lambda), &mut p.total);
-    }
+    by_size!(block.size, N => add_up_points::<S, N>(simd, block))
 }
 
-/// Separations of the points for the displacements as they are, m.
 #[inline(always)]
-pub fn advance<S: Simd>(simd: S, block: &mut ContactBlock, displacements: &[Record]) {
-    let n = V3::load(simd, &block.normal);
-    let moved = Sides::gather(simd, displacements, block);
-    let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
-    for p in &mut block.points {
-        let row = row_of(simd, n, &p.angular_a, &p.angular_b);
-        store(load(simd, &p.separation) + row.velocity(relative, &moved), &mut p.separation);
+fn add_up_points<S: Simd, const N: usize>(simd: S, block: &mut ContactBlock) {
+    for p in &mut block.points[..N] {
+        store(load(simd, &p.total) + load(simd, &p.lambda), &mut p.total);
     }
 }

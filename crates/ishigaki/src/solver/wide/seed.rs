@@ -9,7 +9,6 @@
 use crate::body::NO_HEIGHT;
 use crate::math::Vec3;
 use crate::solver::wide::batch::{Batch, Source};
-use crate::solver::wide::contact_block::POINTS;
 use std::cmp::Reverse;
 
 /// Bodies slower than this may be at rest, m/s × √length scale.
@@ -48,7 +47,7 @@ impl Batch {
             let (above, below) = (place.bodies[upper] as usize, place.bodies[1 - upper] as usize);
             let manifold = &contact.manifolds[place.manifold as usize];
             let (block, lane) = (&mut self.blocks[place.block as usize], place.lane as usize);
-            let mut borne: f32 = (0..POINTS).map(|i| block.points[i].lambda[lane]).sum();
+            let mut borne: f32 = block.points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum();
             let is_slow = |slot: u32| slow(source, slot);
             if borne == 0.0 && is_slow(contact.body_a) && is_slow(contact.body_b) {
                 let normal: Vec3 = if upper == 0 { manifold.normal } else { -manifold.normal };

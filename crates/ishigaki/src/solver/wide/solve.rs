@@ -12,7 +12,7 @@ use crate::solver::plan::Plan;
 use crate::solver::slop;
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::Batch;
-use crate::solver::wide::contact_block::{self as kernel, POINTS, SweepPass};
+use crate::solver::wide::contact_block::{self as kernel, SweepPass};
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::MotionLimits;
 use crate::solver::work;
@@ -35,7 +35,7 @@ impl World {
 
     fn solve_batch(&mut self, level: Level, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, dt: f32) {
         let solver = &self.options.solver;
-        let (substeps, relax_sweeps) = (batch.substeps, solver.relax_sweeps);
+        let (substeps, relax_sweeps, solver_substeps) = (batch.substeps, solver.relax_sweeps, solver.substeps);
         // One substep has the sweeps of all.
         let sweeps = solver.sweeps * solver.substeps / substeps;
         let h = dt / substeps as f32;
@@ -46,50 +46,58 @@ impl World {
             passes: manifold_block::passes(&solver.manifold_block).unwrap_or(1),
             warm: solver.warm_start.enabled,
         };
-        let mut order = Order { reversed: sweeps.is_multiple_of(2) };
+        let mut order = Order::for_sweeps(sweeps);
         let is_free = batch.blocks.is_empty();
         aid.manifolds.clear();
         for substep in 0..substeps {
+            let is_last = substep + 1 == substeps;
             batch.begin(h);
+            let mut sweeps = sweeps;
             if !is_free {
                 if substep == 0 {
                     batch.warm_start(level);
                 }
-                batch.measure::<false>(level, &pass);
-                batch.measure_unrest(level);
-                self.correct_batch(batch, aid, hand_down, &pass);
+                batch.measure(level, &pass);
+                let is_calm = self.correct_batch(batch, aid, hand_down, &pass);
+                if is_calm && substeps < solver_substeps {
+                    // The impulses are found: one sweep keeps them so.
+                    (sweeps, order) = (1, Order::for_sweeps(1));
+                }
                 for sweep in 0..sweeps {
                     order.before(sweep);
                     batch.sweep(level, &pass, order.reversed);
                 }
-                if substep + 1 == substeps && self.options.report.residual {
+                if is_last && self.options.report.residual {
                     self.report.residual = self.report.residual.max(batch.residual(level));
                 }
             }
             self.move_batch(batch, h);
             if !is_free {
-                batch.measure::<true>(level, &pass);
+                batch.relax(level, &pass, is_last);
                 for sweep in 0..relax_sweeps {
                     order.before(sweeps + sweep);
                     batch.sweep(level, &pass, order.reversed);
                 }
+                batch.add_up(level);
             }
-            batch.end(level);
+            batch.end();
             if !pass.warm {
                 batch.forget();
             }
             self.report.work += u64::from(sweeps + relax_sweeps) * batch.sweep_work(u64::from(pass.passes));
         }
-        self.store_batch(level, batch);
+        self.store_batch(batch);
     }
 
-    /// Corrects the loads of stacks that are not at rest.
-    fn correct_batch(&mut self, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, pass: &SweepPass) {
+    /// Corrects the loads of stacks that are not at rest; whether there were none.
+    fn correct_batch(&mut self, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, pass: &SweepPass) -> bool {
         let g = self.options.gravity.length();
         let mut wanted = std::mem::take(&mut aid.chosen);
         wanted.clear();
+        let mut all_calm = true;
         for island in &batch.islands {
             let is_calm = island.unrest <= level_correction::CALM * island.load * g * pass.h;
+            all_calm &= is_calm;
             let pauses = island.first_body == u32::MAX
                 || self.bodies.at(island.first_body).no_correction_until > self.step_count;
             wanted.push(!is_calm && !pauses && island.levels > 1);
@@ -101,6 +109,7 @@ impl World {
             self.correct_loads(batch, aid, &wanted, pass);
         }
         aid.chosen = wanted;
+        all_calm
     }
 
     /// Takes the islands out of `wanted` that are too dear for level correction, and hands their loads down.
@@ -131,8 +140,7 @@ impl World {
         }
     }
 
-    fn store_batch(&mut self, level: Level, batch: &mut Batch) {
-        batch.advance(level);
+    fn store_batch(&mut self, batch: &mut Batch) {
         // Stored impulses are those of a substep as the options have it.
         let share = batch.substeps as f32 / self.options.solver.substeps as f32;
         for mover in &batch.movers {
@@ -160,6 +168,11 @@ struct Order {
 }
 
 impl Order {
+    /// The last sweep before the motion is a forward one, whatever their number.
+    fn for_sweeps(sweeps: u32) -> Self {
+        Self { reversed: sweeps.is_multiple_of(2) }
+    }
+
     fn before(&mut self, sweep: u32) {
         if sweep > 0 {
             self.reversed = !self.reversed;
@@ -176,13 +189,11 @@ impl Batch {
         }
     }
 
-    fn end(&mut self, level: Level) {
+    fn end(&mut self) {
         for (i, mover) in self.movers.iter_mut().enumerate() {
             let change = mover.take(&self.before[i + 1], &self.velocities[i + 1]);
             self.carried[i + 1] = sum(&self.carried[i + 1], &change);
         }
-        let blocks = &mut self.blocks;
-        dispatch!(level, simd => add_up_all(simd, blocks));
     }
 
     /// Without warm start each substep begins from nothing.
@@ -199,9 +210,36 @@ impl Batch {
         dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
     }
 
-    fn measure<const RELAX: bool>(&mut self, level: Level, pass: &SweepPass) {
+    /// Biases of the rows; loads and unrest of the islands.
+    fn measure(&mut self, level: Level, pass: &SweepPass) {
         let (blocks, displacements) = (&mut self.blocks, &self.displacements);
-        dispatch!(level, simd => measure_all::<_, RELAX>(simd, blocks, displacements, pass));
+        let (velocities, unrest) = (&self.velocities, &mut self.unrest);
+        unrest.clear();
+        dispatch!(level, simd => measure_all(simd, blocks, displacements, velocities, pass, unrest));
+        for island in &mut self.islands {
+            (island.load, island.unrest) = (0.0, 0.0);
+        }
+        for place in &self.places {
+            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
+            let island = &mut self.islands[place.island as usize];
+            island.unrest += self.unrest[place.block as usize][lane];
+            island.load += block.points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum::<f32>();
+        }
+    }
+
+    /// Biases at the poses after the motion; those of the last motion become the separations that are stored.
+    fn relax(&mut self, level: Level, pass: &SweepPass, is_last: bool) {
+        let (blocks, displacements) = (&mut self.blocks[..], &self.displacements[..]);
+        if is_last {
+            dispatch!(level, simd => relax_all::<_, true>(simd, blocks, displacements, pass));
+        } else {
+            dispatch!(level, simd => relax_all::<_, false>(simd, blocks, displacements, pass));
+        }
+    }
+
+    fn add_up(&mut self, level: Level) {
+        let blocks = &mut self.blocks;
+        dispatch!(level, simd => add_up_all(simd, blocks));
     }
 
     fn sweep(&mut self, level: Level, pass: &SweepPass, reversed: bool) {
@@ -218,30 +256,9 @@ impl Batch {
         dispatch!(level, simd => residual_of(simd, blocks, velocities))
     }
 
-    fn advance(&mut self, level: Level) {
-        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
-        dispatch!(level, simd => advance_all(simd, blocks, displacements));
-    }
-
-    /// Loads and unrest of the islands.
-    fn measure_unrest(&mut self, level: Level) {
-        let (blocks, velocities, unrest) = (&self.blocks, &self.velocities, &mut self.unrest);
-        unrest.clear();
-        dispatch!(level, simd => energies(simd, blocks, velocities, unrest));
-        for island in &mut self.islands {
-            (island.load, island.unrest) = (0.0, 0.0);
-        }
-        for place in &self.places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let island = &mut self.islands[place.island as usize];
-            island.unrest += self.unrest[place.block as usize][lane];
-            island.load += (0..POINTS).map(|i| block.points[i].lambda[lane]).sum::<f32>();
-        }
-    }
-
     /// Multiply-adds of a sweep.
     fn sweep_work(&self, passes: u64) -> u64 {
-        self.places.len() as u64 * work::wide_visit(POINTS as u64, passes)
+        self.places.iter().map(|p| work::wide_visit(p.size.points() as u64, passes)).sum()
     }
 }
 
@@ -262,14 +279,31 @@ fn warm_start_all<S: Simd>(
 }
 
 #[inline(always)]
-fn measure_all<S: Simd, const RELAX: bool>(
+fn measure_all<S: Simd>(
+    simd: S,
+    blocks: &mut [kernel::ContactBlock],
+    displacements: &[Record],
+    velocities: &[Record],
+    pass: &SweepPass,
+    unrest: &mut Vec<Lane>,
+) {
+    for block in blocks {
+        kernel::measure::<S, false, false>(simd, block, displacements, pass);
+        let mut lanes = [0.0; LANES];
+        kernel::inspect(simd, block, velocities).energy.store_slice(&mut lanes);
+        unrest.push(lanes);
+    }
+}
+
+#[inline(always)]
+fn relax_all<S: Simd, const LAST: bool>(
     simd: S,
     blocks: &mut [kernel::ContactBlock],
     displacements: &[Record],
     pass: &SweepPass,
 ) {
     for block in blocks {
-        kernel::measure::<S, RELAX>(simd, block, displacements, pass);
+        kernel::measure::<S, true, LAST>(simd, block, displacements, pass);
     }
 }
 
@@ -296,13 +330,6 @@ fn add_up_all<S: Simd>(simd: S, blocks: &mut [kernel::ContactBlock]) {
 }
 
 #[inline(always)]
-fn advance_all<S: Simd>(simd: S, blocks: &mut [kernel::ContactBlock], displacements: &[Record]) {
-    for block in blocks {
-        kernel::advance(simd, block, displacements);
-    }
-}
-
-#[inline(always)]
 fn residual_of<S: Simd>(simd: S, blocks: &[kernel::ContactBlock], velocities: &[Record]) -> f32 {
     let mut greatest = 0.0_f32;
     for block in blocks {
@@ -311,13 +338,4 @@ fn residual_of<S: Simd>(simd: S, blocks: &[kernel::ContactBlock], velocities: &[
         greatest = lanes.into_iter().fold(greatest, f32::max);
     }
     greatest
-}
-
-#[inline(always)]
-fn energies<S: Simd>(simd: S, blocks: &[kernel::ContactBlock], velocities: &[Record], to: &mut Vec<Lane>) {
-    for block in blocks {
-        let mut lanes = [0.0; LANES];
-        kernel::inspect(simd, block, velocities).energy.store_slice(&mut lanes);
-        to.push(lanes);
-    }
 }
