@@ -227,28 +227,30 @@ impl SolverOptions {
     }
 }
 
-/// What the reference solver does more while joints are at work: heaps of jointed bodies come to rest late, or never,
-/// at the few substeps that stacks stand at.
+/// What the reference solver does more, or less, while joints are at work. Heaps of jointed bodies come to rest late,
+/// or never, at the few substeps that stacks stand at; what touches nothing is solved almost exactly by its tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Jointed {
-    /// This many times `substeps`.
+    /// This many times `substeps`, where jointed bodies touch something or hang in loops.
     pub substeps: u32,
-    /// This many times `sweeps`.
+    /// This many times `sweeps`, where they touch something.
     pub sweeps: u32,
-    /// This many times `relax_sweeps`.
+    /// This many times `relax_sweeps`, where they touch something.
     pub relax_sweeps: u32,
+    /// Chains and trees that touch nothing: `substeps` divided by this, one at least.
+    pub free_divisor: u32,
 }
 
 impl Jointed {
     /// As without joints.
-    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, relax_sweeps: 1 };
+    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, relax_sweeps: 1, free_divisor: 1 };
 }
 
 impl Default for Jointed {
     fn default() -> Self {
-        Self { substeps: 2, sweeps: 2, relax_sweeps: 2 }
+        Self { substeps: 2, sweeps: 2, relax_sweeps: 2, free_divisor: 2 }
     }
 }
 
@@ -623,6 +625,7 @@ impl SolverOptions {
         count("substeps", self.substeps, 1, 1000)?;
         count("sweeps", self.sweeps, 0, 100_000)?;
         count("jointed.substeps", self.jointed.substeps, 1, 100)?;
+        count("jointed.free_divisor", self.jointed.free_divisor, 1, 1000)?;
         count("jointed.sweeps", self.jointed.sweeps, 1, 100)?;
         count("jointed.relax_sweeps", self.jointed.relax_sweeps, 1, 100)?;
         count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;

@@ -270,11 +270,19 @@ impl BodyState {
 
     pub(crate) fn frame(&self) -> BodyFrame {
         BodyFrame {
+            gyration: self.inverse_inertia_world() * self.angular_momentum.cross(self.angular_velocity),
+            ..self.frame_without_gyration()
+        }
+    }
+
+    /// The same where only poses and velocities are asked for.
+    pub(crate) fn frame_without_gyration(&self) -> BodyFrame {
+        BodyFrame {
             center: self.center,
             rotation: self.rotation,
             velocity: self.velocity,
             angular_velocity: self.angular_velocity,
-            gyration: self.inverse_inertia_world() * self.angular_momentum.cross(self.angular_velocity),
+            gyration: crate::math::Vec3::ZERO,
         }
     }
 

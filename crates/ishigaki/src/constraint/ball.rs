@@ -38,8 +38,9 @@ impl BallLimits<'_> {
 pub(crate) struct Ball<'a> {
     limits: BallLimits<'a>,
     pair: &'a FramePair,
-    swing: Coordinate,
-    twist: Coordinate,
+    /// Measured only where there is a range for it.
+    swing: Option<Coordinate>,
+    twist: Option<Coordinate>,
     point: Point,
 }
 
@@ -48,8 +49,8 @@ impl<'a> Ball<'a> {
         Self {
             limits,
             pair,
-            swing: swing(pair, Vec3::X),
-            twist: twist(pair, Vec3::X, middle(limits.twist)),
+            swing: limits.cone.map(|_| swing(pair, Vec3::X)),
+            twist: limits.twist.map(|range| twist(pair, Vec3::X, middle(Some(range)))),
             point: Point::new(pair),
         }
     }
@@ -73,16 +74,16 @@ impl Composed for Ball<'_> {
             let spring = Spring { target: 0.0, stiffness: 0.0, damping };
             out.extend(Vec3::AXES.map(|axis| self.about(axis).passive_row(&spring, 0.0, step)));
         }
-        if let Some(range) = twist {
+        if let (Some(range), Some(coordinate)) = (twist, &self.twist) {
             let faded = JointStep { recovery_rate: step.recovery_rate * twist_trust(self.pair, Vec3::X), ..*step };
-            self.twist.limit_rows(range, &faded, out);
+            coordinate.limit_rows(range, &faded, out);
         }
-        match cone {
-            Some(cone) if cone > 0.0 => {
-                self.swing.limit_rows(&Range { lower: f32::NEG_INFINITY, upper: cone }, step, out);
+        match (cone, &self.swing) {
+            (Some(cone), Some(swing)) if cone > 0.0 => {
+                swing.limit_rows(&Range { lower: f32::NEG_INFINITY, upper: cone }, step, out);
             }
-            Some(_) => Axis::new(self.pair, Vec3::X).rows(step, out),
-            None => {}
+            (Some(_), _) => Axis::new(self.pair, Vec3::X).rows(step, out),
+            (None, _) => {}
         }
         self.point.rows(step, out);
     }
@@ -92,7 +93,7 @@ impl Composed for Ball<'_> {
     }
 
     fn angle_error(&self) -> f32 {
-        let cone = self.limits.cone.map_or(0.0, |cone| (self.swing.value - cone).max(0.0));
-        cone.max(violation(self.twist.value, self.limits.twist))
+        let cone = self.limits.cone.zip(self.swing.as_ref()).map_or(0.0, |(cone, swing)| (swing.value - cone).max(0.0));
+        cone.max(self.twist.as_ref().map_or(0.0, |twist| violation(twist.value, self.limits.twist)))
     }
 }

@@ -7,6 +7,7 @@ use crate::body::{BodyState, NO_HEIGHT};
 use crate::collision::manifold::Contact;
 use crate::handle::Arena;
 use crate::solver::height;
+use crate::union_find::{root, unite};
 use crate::world::World;
 
 impl World {
@@ -33,7 +34,7 @@ impl World {
                 continue;
             }
             if a.is_dynamic() && b.is_dynamic() {
-                union(parents, contact.body_a, contact.body_b);
+                unite(parents, contact.body_a, contact.body_b);
             } else {
                 let_ground_wake(&mut self.bodies, contact.body_a, contact.body_b);
             }
@@ -43,7 +44,7 @@ impl World {
             let (index_a, index_b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
             if a.is_dynamic() && b.is_dynamic() {
-                union(parents, index_a, index_b);
+                unite(parents, index_a, index_b);
             } else {
                 let_ground_wake(&mut self.bodies, index_a, index_b);
             }
@@ -141,19 +142,4 @@ fn closes(contact: &Contact, a: &BodyState, b: &BodyState, dt: f32, fall: f32) -
             p.separation + dt * m.normal.dot(velocity_a - velocity_b) <= fall
         })
     })
-}
-
-/// The smallest index of the set; halves the path on the way.
-fn root(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        parents[i as usize] = parents[parents[i as usize] as usize];
-        i = parents[i as usize];
-    }
-    i
-}
-
-/// The smaller root becomes the parent: roots do not depend on the order of unions.
-fn union(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parents, a), root(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }

@@ -18,6 +18,7 @@ use crate::solver::block_ldl::{BlockLdl, MAX_SIZE, Pattern};
 use crate::solver::height;
 use crate::solver::table::{Row, SolverBody, inner, inner_at};
 use crate::solver::work;
+use crate::union_find::{root, unite};
 
 /// Part of the inertia up to which a stiffness is left to the substep: symplectic Euler is stable below 4.
 const FREE: f32 = 0.5;
@@ -80,8 +81,7 @@ impl Forest {
         let mut parents: Vec<u32> = (0..bodies.len() as u32).collect();
         for &(a, b, _) in &self.links {
             if let (Some(a), Some(b)) = (a, b) {
-                let (a, b) = (root(&mut parents, a), root(&mut parents, b));
-                parents[a.max(b) as usize] = a.min(b);
+                unite(&mut parents, a, b);
             }
         }
         let mut by_root: Vec<(u32, u32)> = Vec::with_capacity(blocks.len());
@@ -105,14 +105,6 @@ impl Forest {
             self.trees.push(tree);
         }
     }
-}
-
-fn root(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        parents[i as usize] = parents[parents[i as usize] as usize];
-        i = parents[i as usize];
-    }
-    i
 }
 
 impl JointTree {

@@ -3,8 +3,9 @@
 //! The plan is what a solver works on; it knows slots, not handles, and holds plain arrays that are used again
 //! in each step. Rows of joints come first, then those of contacts, both in the world's fixed order.
 
+use crate::collision::manifold::Contact;
 use crate::constraint::contact::{self, Layout, Surface};
-use crate::constraint::frame::JointStep;
+use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
 use crate::constraint::row::RowSpec;
 use crate::math::Mat3;
@@ -18,6 +19,7 @@ use crate::solver::reference::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
 use crate::solver::wide::Wide;
 use crate::solver::{shock_propagation, weight_amplification, work};
+use crate::union_find::{root, unite};
 use crate::world::World;
 
 /// All that the solve stage works on.
@@ -29,7 +31,10 @@ pub struct Plan {
     pub movers: Vec<u32>,
     /// From slots to `bodies`; 0 for whatever does not move.
     pub index_of: Vec<u32>,
-    /// Substeps of a step, and how many of them one of the options is: more where there are joints.
+    /// Of each slot: an active body with joints.
+    pub is_jointed: Vec<bool>,
+    joint_parents: Vec<u32>,
+    /// Substeps of a step.
     pub substeps: u32,
     /// Sweeps with recovery in each.
     pub sweeps: u32,
@@ -51,6 +56,8 @@ pub struct Plan {
     pub manifolds: Vec<ManifoldRows>,
     /// Where the rows of each joint are.
     pub joints: Vec<JointRows>,
+    /// Poses and velocities of jointed bodies, by body.
+    pub frames: Vec<BodyFrame>,
     /// What joints ask for in this substep.
     pub specs: Vec<RowSpec>,
     /// Manifolds of islands whose impulses are found: one sweep with recovery is enough for them.
@@ -111,19 +118,56 @@ impl World {
         self.add_contact_rows(plan, dt);
     }
 
-    /// What the reference does in a step: more where joints are at work.
+    /// What the reference does in a step: more where jointed bodies touch something or hang in loops, less where they
+    /// do neither.
     fn count_substeps(&self, plan: &mut Plan) {
         let solver = &self.options.solver;
-        let is_active = |slot| self.bodies.at(slot).is_active();
-        let jointed = self
-            .joints
-            .iter()
-            .any(|(_, joint)| is_active(joint.definition.body_a.index) || is_active(joint.definition.body_b.index));
-        let times = if jointed { &solver.jointed } else { &Jointed::ALIKE };
-        plan.substeps = solver.substeps * times.substeps;
+        let (any, loops) = self.find_jointed(plan);
+        let touches = |contact: &Contact| {
+            !contact.sensor
+                && !contact.manifolds.is_empty()
+                && [contact.body_a, contact.body_b].iter().any(|&b| plan.is_jointed[b as usize])
+        };
+        let touched = any && self.contacts.iter().any(touches);
+        let times = if touched { &solver.jointed } else { &Jointed::ALIKE };
+        plan.substeps = match (any, touched || loops) {
+            (false, _) => solver.substeps,
+            (true, true) => solver.substeps * solver.jointed.substeps,
+            (true, false) => (solver.substeps / solver.jointed.free_divisor).max(1),
+        };
         plan.sweeps = solver.sweeps * times.sweeps;
         plan.relax_sweeps = solver.relax_sweeps * times.relax_sweeps;
-        plan.share = times.substeps as f32;
+        plan.share = plan.substeps as f32 / solver.substeps as f32;
+    }
+
+    /// Marks active bodies with joints; whether there are any, and whether joints close loops, over the ground or not.
+    fn find_jointed(&self, plan: &mut Plan) -> (bool, bool) {
+        let slots = self.bodies.slot_count();
+        plan.is_jointed.clear();
+        plan.is_jointed.resize(slots, false);
+        plan.joint_parents.clear();
+        // Whatever does not move is one: the number after the last slot.
+        plan.joint_parents.extend(0..=slots as u32);
+        let (mut any, mut loops) = (false, false);
+        for (_, joint) in self.joints.iter() {
+            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
+            let is_active = ends.map(|slot| self.bodies.at(slot).is_active());
+            if is_active == [false, false] {
+                continue;
+            }
+            any = true;
+            let mut roots = [slots as u32; 2];
+            for ((root_of, slot), active) in roots.iter_mut().zip(ends).zip(is_active) {
+                plan.is_jointed[slot as usize] |= active;
+                if active {
+                    *root_of = slot;
+                }
+                *root_of = root(&mut plan.joint_parents, *root_of);
+            }
+            loops |= roots[0] == roots[1];
+            unite(&mut plan.joint_parents, roots[0], roots[1]);
+        }
+        (any, loops)
     }
 
     fn collect_bodies(&mut self, plan: &mut Plan) {

@@ -9,10 +9,10 @@
 use crate::body::{BodyState, unlocked};
 use crate::collision::manifold::Contact;
 use crate::constraint::contact;
-use crate::constraint::frame::JointStep;
+use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::joint_rows::reaction;
 use crate::constraint::row::RowSpec;
-use crate::math::Vec3;
+use crate::math::{Quat, Vec3};
 use crate::motion::{self, Spin, drift, forces};
 use crate::options::DriftScheme;
 use crate::solver::penetration_recovery::Recovery;
@@ -50,7 +50,7 @@ impl World {
     fn substep(&mut self, plan: &mut Plan, h: f32, substep: u32) {
         self.prepare_substep(plan, h, substep);
         self.start_warm(plan);
-        self.velocity_sweeps(plan, h);
+        self.velocity_sweeps(plan, h, substep + 1 == plan.substeps);
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
 
@@ -79,6 +79,7 @@ impl World {
     /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         let step = self.joint_step(h);
+        self.collect_frames(plan, BodyState::frame);
         self.for_joint_rows(plan, &step, |row, spec, _| {
             let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
             *row = Row {
@@ -95,6 +96,7 @@ impl World {
     /// Soft rows stay: their bias is an implicit equation about the whole substep.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         let step = JointStep { h, recovery_rate: 0.0 };
+        self.collect_frames(plan, BodyState::frame_without_gyration);
         self.for_joint_rows(plan, &step, |row, spec, bodies| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
@@ -102,6 +104,16 @@ impl World {
                 row.refresh_mass(bodies);
             }
         });
+    }
+
+    /// Poses and velocities of jointed bodies: each is asked for by several joints.
+    fn collect_frames(&self, plan: &mut Plan, frame: impl Fn(&BodyState) -> BodyFrame) {
+        plan.frames.clear();
+        plan.frames.push(BodyFrame::at_rest(Vec3::ZERO, Quat::IDENTITY));
+        for (body, &slot) in plan.bodies[1..].iter().zip(&plan.movers) {
+            let nothing = plan.frames[0];
+            plan.frames.push(if body.jointed { frame(self.bodies.at(slot)) } else { nothing });
+        }
     }
 
     /// Calls `edit` for each joint row with what its joint asks for at the poses as they are.
@@ -114,7 +126,10 @@ impl World {
         for rows in &plan.joints {
             let joint = self.joints.at_mut(rows.joint);
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
-            let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
+            let [a, b] = [a, b].map(|slot| match plan.index_of[slot as usize] {
+                0 => self.bodies.at(slot).frame_without_gyration(),
+                index => plan.frames[index as usize],
+            });
             plan.specs.clear();
             joint.resolved.rows(&joint.definition.kind, &a, &b, step, &mut plan.specs);
             let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
@@ -273,13 +288,13 @@ impl World {
     }
 
     /// The sweeps with recovery; with blended shock propagation, both solutions and their mean.
-    fn velocity_sweeps(&mut self, plan: &mut Plan, h: f32) {
+    fn velocity_sweeps(&mut self, plan: &mut Plan, h: f32, is_last: bool) {
         if self.blends_shock() {
             self.blended_sweeps(plan);
         } else {
             self.sweeps(plan, h);
         }
-        if self.options.report.residual {
+        if self.options.report.residual && is_last {
             self.report.residual = residual::residual(&plan.rows, &plan.blocks, &plan.bodies);
         }
     }

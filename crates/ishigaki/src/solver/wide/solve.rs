@@ -61,7 +61,7 @@ impl World {
                 let is_calm = self.correct_batch(batch, aid, hand_down, &pass);
                 if is_calm && substeps < solver_substeps {
                     // The impulses are found: one sweep keeps them so.
-                    (sweeps, order) = (1, Order::for_sweeps(1));
+                    (sweeps, order) = (2, Order::for_sweeps(2));
                 }
                 for sweep in 0..sweeps {
                     order.before(sweep);

@@ -10,6 +10,7 @@ use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, Wo
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
 use crate::solver::wide::lanes::LANES;
+use crate::union_find::{root, unite};
 use crate::world::World;
 use fearless_simd::Level;
 
@@ -200,19 +201,4 @@ fn asks_too_much(contact: &Contact, bounces: bool) -> bool {
         || contact.torsional_friction > 0.0
         || (bounces && contact.restitution > 0.0)
         || contact.surface_velocity != crate::math::Vec3::ZERO
-}
-
-fn root(parents: &mut [u32], mut i: u32) -> u32 {
-    while parents[i as usize] != i {
-        parents[i as usize] = parents[parents[i as usize] as usize];
-        i = parents[i as usize];
-    }
-    i
-}
-
-/// The smaller root becomes the parent.
-fn unite(parents: &mut [u32], a: u32, b: u32) -> u32 {
-    let (a, b) = (root(parents, a), root(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
-    a.min(b)
 }
