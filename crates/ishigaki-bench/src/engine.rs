@@ -69,7 +69,7 @@ pub struct Kind {
 
 /// All engines of this build, Ishigaki first.
 pub const KINDS: &[Kind] = &[
-    Kind { name: "ishigaki", threaded: false, about: ishigaki::about, build: ishigaki::build },
+    Kind { name: "ishigaki", threaded: true, about: ishigaki::about, build: ishigaki::build },
     #[cfg(feature = "box3d")]
     Kind { name: "box3d", threaded: true, about: box3d::about, build: box3d::build },
     #[cfg(feature = "rapier")]

@@ -41,6 +41,9 @@ pub struct Run {
     /// A parameter of a named scene, such as n=40.
     #[arg(long = "param", value_name = "KEY=NUMBER", value_parser = number::parameter)]
     parameters: Vec<(String, f64)>,
+    /// Threads that a step may use; the result does not depend on it.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
+    threads: u16,
     /// Write poses and velocities of all bodies as comma-separated values.
     #[arg(long, value_name = "FILE.csv")]
     states: Option<PathBuf>,
@@ -91,6 +94,7 @@ impl Run {
         if !self.quiet {
             job.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
         }
+        job.world.set_threads(usize::from(self.threads)).input_at("--threads")?;
         let mut states = self.states.as_deref().map(|path| StateTable::create(path, self.every)).transpose()?;
         let snapshot = self.snapshot.as_deref().map(AtomicFile::create).transpose()?;
 

@@ -28,6 +28,7 @@ pub mod shape;
 mod snapshot;
 pub mod solver;
 mod step;
+mod threads;
 mod union_find;
 mod validate;
 pub mod world;

@@ -11,6 +11,7 @@ use crate::options::WorldOptions;
 use crate::report::StepReport;
 use crate::solver::permutation::Random;
 use crate::step::Scratch;
+use crate::threads::Workers;
 use crate::world::{JointState, World};
 use serde::de::Visitor;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -46,6 +47,8 @@ struct Written {
     broad_phase: BroadPhase,
     #[serde(skip)]
     scratch: Scratch,
+    #[serde(skip)]
+    workers: Workers,
 }
 
 #[derive(Serialize)]

@@ -15,6 +15,7 @@ use crate::report::StepReport;
 use crate::shape::Shape;
 use crate::solver::permutation::Random;
 use crate::step::Scratch;
+use crate::threads::Workers;
 use serde::{Deserialize, Serialize};
 use smallvec::{SmallVec, smallvec};
 
@@ -50,6 +51,8 @@ pub struct World {
     pub(crate) broad_phase: BroadPhase,
     /// Arrays that are used again in each step; nothing in them outlives a step.
     pub(crate) scratch: Scratch,
+    /// What it may run on; no part of its state.
+    pub(crate) workers: Workers,
 }
 
 /// The state of a joint in a world.
@@ -152,6 +155,7 @@ impl Default for World {
             time: 0.0,
             broad_phase: BroadPhase::default(),
             scratch: Scratch::default(),
+            workers: Workers::default(),
         }
     }
 }

@@ -23,8 +23,8 @@ pub fn build(scene: &Scene, setup: &Setup) -> anyhow::Result<Box<dyn Engine>> {
     let mut options = setup.ishigaki.clone();
     options.gravity = Vec3::from_array(scene.gravity);
     options.rest.sleep.enabled = setup.sleep;
-    // The engine has no threads yet: this is where `setup.threads` goes once it has (and `threaded` in `KINDS`).
     let mut world = World::new(options)?;
+    world.set_threads(setup.threads as usize)?;
     let hulls = scene.hulls.iter().map(|points| {
         let points: Vec<Vec3> = points.iter().map(|&p| Vec3::from_array(p)).collect();
         Ok(Arc::new(ishigaki::ConvexHull::new(&points)?))

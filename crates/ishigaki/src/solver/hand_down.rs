@@ -25,9 +25,6 @@ const EPSILON: f32 = 1e-4;
 /// Tries with fewer points.
 const TRIES: usize = 3;
 
-/// Steps for which an island rests that hand-down did not help.
-pub(crate) const PAUSE: u64 = level_correction::PAUSE;
-
 /// Whether bodies rather hit each other than rest, and little was gained: energies in J; `scale` = Σλ g h.
 pub(crate) fn is_hopeless(gain: f32, unrest: f32, scale: f32) -> bool {
     gain < level_correction::HOPELESS * unrest && unrest > level_correction::TUMBLING * scale

@@ -110,6 +110,8 @@ pub struct LevelCorrection {
     touched: Vec<u32>,
     /// Multiply-adds of the step so far.
     pub work: u64,
+    /// First bodies of islands that corrections did not help, until the caller takes them.
+    pub(crate) pauses: Vec<u32>,
     current: Option<(u32, Choice)>,
     links: Vec<(u32, u32)>,
     users: Vec<(u32, u32)>,
@@ -139,7 +141,7 @@ const TRIES: usize = 3;
 
 impl World {
     /// Corrects the impulses of all islands that stand on the ground in levels.
-    pub(crate) fn correct_levels(&mut self, plan: &mut Plan, h: f32) {
+    pub(crate) fn correct_levels(&self, plan: &mut Plan, h: f32) {
         let mut work = std::mem::take(&mut plan.level_correction);
         self.gather_members(plan, &mut work, h);
         let mut members = std::mem::take(&mut work.members);
@@ -161,7 +163,7 @@ impl World {
                     worth_it
                 };
                 if !worth_it {
-                    self.bodies.at_mut(first).no_correction_until = self.step_count + PAUSE;
+                    work.pauses.push(first);
                 }
             }
         }
@@ -171,7 +173,7 @@ impl World {
 
     /// Hand-down in place of a correction; whether it was worth its work.
     fn hand_down_island(
-        &mut self,
+        &self,
         plan: &mut Plan,
         work: &mut LevelCorrection,
         all: &mut [Member],
@@ -196,7 +198,7 @@ impl World {
     /// Correction and a sweep over the island's contacts in turn, while the correction still finds something; whether
     /// it was worth its work.
     fn correct_island(
-        &mut self,
+        &self,
         plan: &mut Plan,
         work: &mut LevelCorrection,
         all: &mut [Member],

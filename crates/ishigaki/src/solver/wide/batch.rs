@@ -69,6 +69,17 @@ pub struct IslandState {
     pub unrest: f32,
 }
 
+/// What solving a batch leaves beside motion and impulses.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// Multiply-adds.
+    pub work: u64,
+    /// Greatest change of an impulse that a visit would make after the last sweep before the last motion, N·s.
+    pub residual: f32,
+    /// First bodies of islands that corrections did not help: they rest from them for some steps.
+    pub pauses: Vec<u32>,
+}
+
 /// Islands that are solved together.
 #[derive(Clone, Debug, Default)]
 pub struct Batch {
@@ -96,6 +107,8 @@ pub struct Batch {
     pub islands: Vec<IslandState>,
     /// Of each block and lane: energy that visits to its rows would take, J.
     pub unrest: Vec<Lane>,
+    /// Of the last solve.
+    pub outcome: Outcome,
     used_colors: Vec<u64>,
     /// By color and size: first how many manifolds, then the first block.
     counts_of: Vec<[u32; Size::ALL.len()]>,

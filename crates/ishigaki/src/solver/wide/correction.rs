@@ -12,7 +12,7 @@ use crate::world::World;
 
 impl World {
     /// Corrects the loads of the wanted islands (by their index in the batch).
-    pub(crate) fn correct_loads(&mut self, batch: &mut Batch, aid: &mut Plan, wanted: &[bool], pass: &SweepPass) {
+    pub(crate) fn correct_loads(&self, batch: &mut Batch, aid: &mut Plan, wanted: &[bool], pass: &SweepPass) {
         if aid.manifolds.is_empty() || aid.rows_of != wanted {
             self.make_rows(batch, aid, wanted);
         }

@@ -7,7 +7,7 @@ use crate::world::World;
 
 impl World {
     /// Hands down the momentum of one island; the energy of the residual that it took away, J.
-    pub(crate) fn hand_down(&mut self, batch: &mut Batch, work: &mut HandDown, island: u32) -> f32 {
+    pub(crate) fn hand_down(&self, batch: &mut Batch, work: &mut HandDown, island: u32) -> f32 {
         work.clear(batch.movers.len() + 1);
         for p in 0..batch.places.len() {
             let place = batch.places[p];
@@ -21,7 +21,7 @@ impl World {
                 work.needs[body] = Wrench { linear: -p, angular: -l };
             }
         }
-        self.report.work += work.solve();
+        batch.outcome.work += work.solve();
         let (alpha, gain) = search(batch, work).step();
         if gain > 0.0 {
             take(batch, work, alpha);

@@ -15,7 +15,6 @@ mod seed;
 mod solve;
 mod split;
 
-use crate::solver::hand_down::HandDown;
 use crate::solver::plan::Plan;
 use batch::Batch;
 use fearless_simd::Level;
@@ -41,9 +40,9 @@ pub struct Wide {
     sizes: Vec<u32>,
     batch_of_island: Vec<u32>,
     local_island: Vec<u32>,
-    /// Rows of islands whose loads are corrected, as the reference has them.
-    aid: Option<Box<Plan>>,
-    pub(crate) hand_down: HandDown,
+    /// Rows of islands whose loads are corrected, as the reference has them, and arrays for it: one for each thread.
+    #[expect(clippy::vec_box, reason = "threads take them out and put them back")]
+    aids: Vec<Box<Plan>>,
 }
 
 impl Default for Wide {
@@ -61,8 +60,7 @@ impl Default for Wide {
             sizes: Vec::new(),
             batch_of_island: Vec::new(),
             local_island: Vec::new(),
-            aid: None,
-            hand_down: HandDown::default(),
+            aids: Vec::new(),
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::Plan;
 use crate::solver::slop;
 use crate::solver::wide::Wide;
-use crate::solver::wide::batch::Batch;
+use crate::solver::wide::batch::{Batch, Outcome};
 use crate::solver::wide::contact_block::{self as kernel, SweepPass};
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::MotionLimits;
@@ -19,21 +19,29 @@ use crate::solver::work;
 use crate::world::World;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
+use std::sync::{Mutex, PoisonError};
 
 impl World {
-    /// Solves all batches.
+    /// Solves all batches, on several threads if the world has them.
     pub(crate) fn solve_batches(&mut self, wide: &mut Wide, dt: f32) {
-        let mut aid = wide.aid.take().unwrap_or_default();
-        let mut batches = std::mem::take(&mut wide.batches);
-        for batch in &mut batches[..wide.used] {
-            self.solve_batch(wide.level, batch, &mut aid, &mut wide.hand_down, dt);
+        let (level, mut batches) = (wide.level, std::mem::take(&mut wide.batches));
+        let aids = Mutex::new(std::mem::take(&mut wide.aids));
+        let lock = || aids.lock().unwrap_or_else(PoisonError::into_inner);
+        let world: &Self = self;
+        world.workers.for_each(&mut batches[..wide.used], |batch| {
+            let mut aid = lock().pop().unwrap_or_default();
+            world.solve_batch(level, batch, &mut aid, dt);
+            lock().push(aid);
+        });
+        wide.aids = aids.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for batch in &batches[..wide.used] {
+            self.store_batch(batch);
         }
-        self.report.work += std::mem::take(&mut aid.level_correction.work);
         wide.batches = batches;
-        wide.aid = Some(aid);
     }
 
-    fn solve_batch(&mut self, level: Level, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, dt: f32) {
+    fn solve_batch(&self, level: Level, batch: &mut Batch, aid: &mut Plan, dt: f32) {
+        batch.outcome = Outcome::default();
         let solver = &self.options.solver;
         let (substeps, relax_sweeps, solver_substeps) = (batch.substeps, solver.relax_sweeps, solver.substeps);
         // One substep has the sweeps of all.
@@ -58,7 +66,7 @@ impl World {
                     batch.warm_start(level);
                 }
                 batch.measure(level, &pass);
-                let is_calm = self.correct_batch(batch, aid, hand_down, &pass);
+                let is_calm = self.correct_batch(batch, aid, &pass);
                 if is_calm && substeps < solver_substeps {
                     // The impulses are found: one sweep keeps them so.
                     (sweeps, order) = (2, Order::for_sweeps(2));
@@ -68,7 +76,7 @@ impl World {
                     batch.sweep(level, &pass, order.reversed);
                 }
                 if is_last && self.options.report.residual {
-                    self.report.residual = self.report.residual.max(batch.residual(level));
+                    batch.outcome.residual = batch.residual(level);
                 }
             }
             self.move_batch(batch, h);
@@ -84,13 +92,13 @@ impl World {
             if !pass.warm {
                 batch.forget();
             }
-            self.report.work += u64::from(sweeps + relax_sweeps) * batch.sweep_work(u64::from(pass.passes));
+            batch.outcome.work += u64::from(sweeps + relax_sweeps) * batch.sweep_work(u64::from(pass.passes));
         }
-        self.store_batch(batch);
+        batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
     }
 
     /// Corrects the loads of stacks that are not at rest; whether there were none.
-    fn correct_batch(&mut self, batch: &mut Batch, aid: &mut Plan, hand_down: &mut HandDown, pass: &SweepPass) -> bool {
+    fn correct_batch(&self, batch: &mut Batch, aid: &mut Plan, pass: &SweepPass) -> bool {
         let g = self.options.gravity.length();
         let mut wanted = std::mem::take(&mut aid.chosen);
         wanted.clear();
@@ -99,21 +107,23 @@ impl World {
             let is_calm = island.unrest <= level_correction::CALM * island.load * g * pass.h;
             all_calm &= is_calm;
             let pauses = island.first_body == u32::MAX
-                || self.bodies.at(island.first_body).no_correction_until > self.step_count;
+                || self.bodies.at(island.first_body).no_correction_until > self.step_count
+                || batch.outcome.pauses.contains(&island.first_body);
             wanted.push(!is_calm && !pauses && island.levels > 1);
         }
         if self.options.solver.hand_down.enabled && self.corrects_levels() {
-            self.hand_down_dear(batch, hand_down, &mut wanted, pass);
+            self.hand_down_dear(batch, &mut aid.hand_down, &mut wanted, pass);
         }
         if self.corrects_levels() && wanted.contains(&true) {
             self.correct_loads(batch, aid, &wanted, pass);
+            batch.outcome.pauses.append(&mut aid.level_correction.pauses);
         }
         aid.chosen = wanted;
         all_calm
     }
 
     /// Takes the islands out of `wanted` that are too dear for level correction, and hands their loads down.
-    fn hand_down_dear(&mut self, batch: &mut Batch, work: &mut HandDown, wanted: &mut [bool], pass: &SweepPass) {
+    fn hand_down_dear(&self, batch: &mut Batch, work: &mut HandDown, wanted: &mut [bool], pass: &SweepPass) {
         let g = self.options.gravity.length();
         for index in 0..wanted.len() {
             let island = batch.islands[index];
@@ -123,7 +133,7 @@ impl World {
             wanted[index] = false;
             let gain = self.hand_down(batch, work, index as u32);
             if hand_down::is_hopeless(gain, island.unrest, island.load * g * pass.h) {
-                self.bodies.at_mut(island.first_body).no_correction_until = self.step_count + hand_down::PAUSE;
+                batch.outcome.pauses.push(island.first_body);
             }
         }
     }
@@ -140,7 +150,12 @@ impl World {
         }
     }
 
-    fn store_batch(&mut self, batch: &mut Batch) {
+    fn store_batch(&mut self, batch: &Batch) {
+        self.report.work += batch.outcome.work;
+        self.report.residual = self.report.residual.max(batch.outcome.residual);
+        for &body in &batch.outcome.pauses {
+            self.bodies.at_mut(body).no_correction_until = self.step_count + level_correction::PAUSE;
+        }
         // Stored impulses are those of a substep as the options have it.
         let share = batch.substeps as f32 / self.options.solver.substeps as f32;
         for mover in &batch.movers {

@@ -189,10 +189,9 @@ impl World {
             dt,
             warm_scale: self.warm_start_scale(dt),
         };
-        for batch in &mut wide.batches[..wide.used] {
-            batch.build(wide.level, &source);
-            wide.rows += batch.rows as usize;
-        }
+        let level = wide.level;
+        self.workers.for_each(&mut wide.batches[..wide.used], |batch| batch.build(level, &source));
+        wide.rows = wide.batches[..wide.used].iter().map(|b| b.rows as usize).sum();
     }
 }
 
