@@ -3,6 +3,7 @@
 pub mod block;
 pub mod block_ldl;
 pub mod height;
+pub mod joint_recovery;
 pub mod joint_tree;
 pub mod level_correction;
 pub mod manifold_block;

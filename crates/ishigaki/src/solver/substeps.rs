@@ -1,14 +1,14 @@
 //! Stage `solve`: all substeps, velocities and positions.
 //!
-//! Each substep: rows of joints anew · forces · impacts · warm start · sweeps with recovery · bodies move ·
-//! relax sweeps without recovery, which take its speed out again. Contacts keep their Jacobians over the step,
-//! their separations advance by J·δ; joints refresh anchors, since their errors must not drift, before the sweeps
-//! and after the motion: velocities end tangent to what the joint allows there, and what swings keeps its energy.
+//! Each substep: rows of joints anew · forces · impacts · warm start · sweeps with recovery · bodies move · joints
+//! recover (`joint_recovery.rs`) · relax sweeps without recovery, which take its speed out again. Contacts keep their
+//! Jacobians over the step, their separations advance by J·δ; joints refresh anchors, since their errors must not
+//! drift, before the sweeps and after the motion: velocities end tangent to what the joint allows there, and what swings
+//! keeps its energy.
 //! Proved by `tests/laws_pendulum.rs`, `tests/laws_momentum.rs`.
 
 use crate::body::{BodyState, unlocked};
 use crate::constraint::contact;
-use crate::constraint::frame::JointStep;
 use crate::constraint::joint_rows::reaction;
 use crate::constraint::row::RowSpec;
 use crate::math::Vec3;
@@ -50,7 +50,11 @@ impl World {
         self.velocity_sweeps(plan, h);
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
-
+        if !plan.joints.is_empty() {
+            self.turn_joint_rows(plan, h);
+            self.report.work += factor_joints(plan);
+            self.recover_joints(plan, h);
+        }
         if plan.relax_sweeps > 0 {
             self.relax(plan, h);
         }
@@ -75,45 +79,36 @@ impl World {
 
     /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
-        let step = self.joint_step(h);
-        self.for_joint_rows(plan, &step, |row, spec, _| {
+        self.for_joint_rows(plan, h, |row, spec, _| {
             let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
-            *row = Row {
-                total_lambda: row.total_lambda,
-                coupling: row.coupling,
-                recovery_softness: row.recovery_softness,
-                ..fresh
-            };
+            let bias = if row.by_pose { fresh.relax_bias } else { fresh.bias };
+            let (total_lambda, coupling, by_pose) = (row.total_lambda, row.coupling, row.by_pose);
+            *row = Row { total_lambda, coupling, by_pose, bias, ..fresh };
         });
     }
 
-    /// Jacobians of hard joint rows at the poses after the motion. Velocities must end along what the joint allows
-    /// *there*: along the directions before the motion, the next substep would take the difference out as a loss.
-    /// Soft rows stay: their bias is an implicit equation about the whole substep.
+    /// Jacobians of hard joint rows at the poses after the motion, with the bias of what recovers there. Velocities must
+    /// end along what the joint allows *there*: along the directions before the motion, the next substep would take the
+    /// difference out as a loss. Soft rows stay: their bias is an implicit equation about the whole substep.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
-        let step = JointStep { h, recovery_rate: 0.0 };
-        self.for_joint_rows(plan, &step, |row, spec, bodies| {
+        self.for_joint_rows(plan, h, |row, spec, bodies| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
-                row.bias = spec.relax_bias;
+                (row.bias, row.relax_bias) = (if row.by_pose { spec.bias } else { spec.relax_bias }, spec.relax_bias);
                 row.refresh_mass(bodies);
             }
         });
     }
 
     /// Calls `edit` for each joint row with what its joint asks for at the poses as they are.
-    fn for_joint_rows(
-        &mut self,
-        plan: &mut Plan,
-        step: &JointStep,
-        mut edit: impl FnMut(&mut Row, &RowSpec, &[SolverBody]),
-    ) {
+    fn for_joint_rows(&mut self, plan: &mut Plan, h: f32, mut edit: impl FnMut(&mut Row, &RowSpec, &[SolverBody])) {
+        let step = self.joint_step(h);
         for rows in &plan.joints {
             let joint = self.joints.at_mut(rows.joint);
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (a, b) = (self.bodies.at(a).frame(), self.bodies.at(b).frame());
             plan.specs.clear();
-            joint.resolved.rows(&joint.definition.kind, &a, &b, step, &mut plan.specs);
+            joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
             let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
             for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
                 edit(row, spec, &plan.bodies);
@@ -181,10 +176,6 @@ impl World {
     fn relax(&mut self, plan: &mut Plan, h: f32) {
         for row in &mut plan.rows {
             row.bias = row.relax_bias;
-        }
-        if !plan.joints.is_empty() {
-            self.turn_joint_rows(plan, h);
-            self.report.work += harden_joints(plan);
         }
         self.refresh_contact_biases(plan, h);
         let restitution = self.options.solver.restitution.enabled;
@@ -471,35 +462,21 @@ fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
             work += n * (n + 1) / 2 * work::INNER;
         }
     }
-    for block in &mut plan.blocks {
-        block.softness = plan.rows[block.first as usize].recovery_softness;
-        if !block.in_tree {
-            block.factor(&plan.rows);
-        }
+    for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
+        block.factor(&plan.rows);
     }
-    factor_trees(plan);
-    work
-}
-
-fn factor_trees(plan: &mut Plan) {
     for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         tree.factor(&plan.rows, &plan.blocks);
     }
+    work
 }
 
-/// Joint rows without the softness of recovery; multiply-adds of that.
-fn harden_joints(plan: &mut Plan) -> u64 {
+/// Factors of joints whose rows have turned; multiply-adds of rows and factors.
+fn factor_joints(plan: &mut Plan) -> u64 {
     let mut work = plan.joint_rows() as u64 * (work::RESPONSE + work::INNER);
-    let joint_rows = plan.joints.last().map_or(0, |j| (j.first + j.count) as usize);
-    for row in &mut plan.rows[..joint_rows] {
-        row.harden();
-    }
-    for block in &mut plan.blocks {
-        block.softness = 0.0;
-        // Their rows have turned: old factors would leave a little motion for ever, and heaps would not come to rest.
-        if !block.in_tree {
-            block.factor(&plan.rows);
-        }
+    // With old factors a little motion would be left for ever, and heaps would not come to rest.
+    for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
+        block.factor(&plan.rows);
     }
     for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         // Of slow bodies the factors stay those of the poses before the motion: the little that turned comes back in
