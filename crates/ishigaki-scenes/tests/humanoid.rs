@@ -6,7 +6,7 @@
 mod common;
 
 use common::models;
-use ishigaki::{BodyKind, Vec3};
+use ishigaki::{BodyKind, Combine, Vec3};
 use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::file::{BodyRef, FramesFile};
 use ishigaki_scenes::measure::REST_SPEED;
@@ -99,7 +99,7 @@ fn fall(name: &str, file: &SceneFile, count: usize, seconds: f64) -> Fall {
 
 fn assert_dead(fall: &Fall, within: f64) {
     assert!(fall.rest.is_some_and(|r| r < fall.landing + within), "not at rest within {within} s of landing: {fall:?}");
-    assert!(fall.gap < 5e-3, "joints came apart: {fall:?}");
+    assert!(fall.gap < 2e-3, "joints came apart: {fall:?}");
     assert!(fall.angle < 2.0, "ranges were left: {fall:?}");
 }
 
@@ -109,8 +109,20 @@ fn a_humanoid_dies() {
     assert_dead(&fall("humanoid", &file, 1, 8.0), 5.0);
 }
 
+/// With the floor's friction between limbs too. In the file they have none (`condim="1"`).
+#[test]
+fn a_heap_of_humanoids_with_friction_dies() {
+    let Some(mut file) = humanoid() else { return };
+    for shape in file.bodies.iter_mut().flat_map(|body| &mut body.shapes) {
+        (shape.friction, shape.friction_combine) = (1.0, Combine::Maximum);
+    }
+    assert_dead(&fall("20 humanoids with friction", &heap(&file, 20), 20, 7.0), 5.0);
+}
+
+/// Limbs without friction slide off each other as slowly as the joints' damping lets them: how long that takes is up to
+/// the heap, 3 to more than 8 s, with many more substeps and sweeps as well (`decisions/022-joint-recovery-of-poses.md`).
 #[test]
 fn a_heap_of_humanoids_dies() {
     let Some(file) = humanoid() else { return };
-    assert_dead(&fall("20 humanoids", &heap(&file, 20), 20, 9.0), 8.0);
+    assert_dead(&fall("20 humanoids", &heap(&file, 20), 20, 9.5), 8.0);
 }

@@ -273,7 +273,8 @@ impl Default for PenetrationRecovery {
     }
 }
 
-/// Pull joint errors back at `rate` of them per substep. TALK B9: k θ_err/Δt.
+/// Take joint errors back by `rate` of them per substep. TALK B9: k θ_err/Δt; where joints
+/// are solved in turn with contacts, by poses alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -282,15 +283,11 @@ pub struct JointRecovery {
     pub enabled: bool,
     /// k: the part of the error taken back in one substep, in [0, 1].
     pub rate: f32,
-    /// γ of hard joint rows as a part of their own J M⁻¹Jᵀ, in sweeps with recovery only. It lets the push of recovery
-    /// fade instead of adding up in the warm start, which would shake heavy loads on light chains to pieces. Trees of
-    /// joints that touch nothing are solved exactly and go without.
-    pub softness: f32,
 }
 
 impl Default for JointRecovery {
     fn default() -> Self {
-        Self { enabled: true, rate: 0.3, softness: 0.1 }
+        Self { enabled: true, rate: 0.3 }
     }
 }
 
@@ -633,7 +630,6 @@ impl SolverOptions {
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;
         not_negative("penetration_recovery.max_speed", self.penetration_recovery.max_speed)?;
         fraction("joint_recovery.rate", self.joint_recovery.rate)?;
-        not_negative("joint_recovery.softness", self.joint_recovery.softness)?;
         not_negative("slop.depth", self.slop.depth)?;
         fraction("warm_start.factor", self.warm_start.factor)?;
         count("manifold_block.passes", self.manifold_block.passes, 1, 1000)?;

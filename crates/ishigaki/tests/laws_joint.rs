@@ -3,7 +3,9 @@
 
 mod laws;
 
-use ishigaki::{Body, BodyHandle, BodyKind, Drive, Joint, JointHandle, JointKind, MassProperties, Quat, Vec3, World};
+use ishigaki::{
+    Body, BodyHandle, BodyKind, Drive, Joint, JointHandle, JointKind, MassProperties, Quat, Shape, Vec3, World,
+};
 use laws::{G, STEPS, body, converges, relative, run, weightless, world};
 
 /// A body of 2 kg without a form and 0.5 kg·m² about each axis.
@@ -133,6 +135,34 @@ fn ranges_and_ropes_hold_the_weight() {
             let weight = f64::from(-state.force().y);
             assert!(relative(weight, MASS * G) < 1e-3, "{name}: carries {} N", state.force());
         }
+    }
+}
+
+/// A light arm with a heavy ball welded on that falls on the end of its range stops there: a limit without restitution
+/// gives no energy back, however little of the load its own two bodies are.
+#[test]
+fn the_end_of_a_range_gives_nothing_back() {
+    for (ratio, dt) in [1.0, 10.0, 100.0].into_iter().flat_map(|ratio| STEPS.map(|dt| (ratio, dt))) {
+        let mut world = world();
+        let wall = world.add_body(Body::empty(BodyKind::Fixed)).unwrap();
+        let arm = Body::dynamic(Shape::cuboid(0.5, 0.05, 0.05)).mass(5.0).at(0.5 * Vec3::X);
+        let arm = world.add_body(arm).unwrap();
+        let hinge = world.add_joint(Joint::hinge(wall, arm, Vec3::ZERO, Vec3::Z).limit(-0.5..=1.0)).unwrap();
+        let ball = world.add_body(Body::dynamic(Shape::ball(0.1)).mass(5.0 * ratio).at(Vec3::X)).unwrap();
+        world.add_joint(Joint::fixed(arm, ball, Vec3::X)).unwrap();
+        let mut landed = false;
+        while world.time() < 2.0 {
+            world.step(dt);
+            let above = coordinate(&world, hinge) + 0.5;
+            landed |= above < 1e-3;
+            let worst = if landed { 1e-3 } else { f64::INFINITY };
+            assert!(
+                (-1e-3..=worst).contains(&above),
+                "ball of {ratio} arms: {above} rad from the end at {} s",
+                world.time()
+            );
+        }
+        assert!(landed);
     }
 }
 

@@ -86,10 +86,10 @@ export const EXPLANATIONS: Record<string, Explanation> = {
   },
   'solver.joint_recovery': {
     title: 'Joint recovery',
-    idea: 'The same for anchors that came apart and axes that bent. A little softness keeps this push from adding up in the warm start.',
+    idea: 'The same for anchors that came apart and axes that bent, but in heaps the bodies are moved: no speed of it stays with them.',
     equation: 'v = k · θ_err / Δt',
     without: 'Chains grow longer and never shrink back.',
-    file: 'constraint/joint_rows.rs',
+    file: 'solver/joint_recovery.rs',
   },
   'solver.friction': {
     title: 'Friction',

@@ -29,6 +29,8 @@ pub enum Coupling {
     Disk(Bound),
     /// The first of several equality rows that are solved together: index of the block.
     Block(u32),
+    /// An end of a range: after it the equality rows of its joint are solved again. Index of their block.
+    Limit(u32),
     /// A row that is solved with an earlier one: the second of a disk, or one of a block.
     Partner,
 }

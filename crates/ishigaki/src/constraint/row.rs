@@ -50,6 +50,8 @@ pub struct RowSpec {
     pub bias: f32,
     /// The same without recovery: used by relax sweeps.
     pub relax_bias: f32,
+    /// The part of `bias` that is no recovery: what the bodies' way along arcs will add to the error in this substep.
+    pub arc: f32,
     /// Least impulse, N·s or N·m·s.
     pub lower: f32,
     /// Greatest impulse.
@@ -65,13 +67,20 @@ impl RowSpec {
             softness: 0.0,
             bias: recovery_bias,
             relax_bias: 0.0,
+            arc: 0.0,
             lower: f32::NEG_INFINITY,
             upper: f32::INFINITY,
         }
     }
 
+    /// The same, looking ahead along the arc of its bodies.
+    #[must_use]
+    pub fn along(self, arc: f32) -> Self {
+        Self { bias: self.bias + arc, arc, ..self }
+    }
+
     /// A row that does nothing: λ is held at 0. Keeps its place in the count where a condition has lost its meaning.
     pub fn inert(jacobian: Jacobian) -> Self {
-        Self { jacobian, softness: 0.0, bias: 0.0, relax_bias: 0.0, lower: 0.0, upper: 0.0 }
+        Self { jacobian, softness: 0.0, bias: 0.0, relax_bias: 0.0, arc: 0.0, lower: 0.0, upper: 0.0 }
     }
 }

@@ -166,10 +166,6 @@ fn friction(plan: &Plan) -> Vec<Option<Friction>> {
 fn matrix(plan: &Plan) -> Matrix {
     let responses: Vec<[WideSide; 2]> = plan.rows.iter().map(|row| response(row, &plan.bodies)).collect();
     let n = plan.rows.len();
-    let mut block = vec![None; n];
-    for (index, b) in plan.blocks.iter().enumerate() {
-        block[b.first as usize..(b.first + b.count) as usize].fill(Some(index));
-    }
     let mut a = Matrix::from_fn(n, n, |i, j| {
         let (row, other) = (&plan.rows[i], &plan.rows[j]);
         let mut sum = 0.0;
@@ -183,16 +179,7 @@ fn matrix(plan: &Plan) -> Matrix {
         sum
     });
     for (i, row) in plan.rows.iter().enumerate() {
-        match block[i] {
-            // Softness of a block is a part of all of its K.
-            Some(index) => {
-                let b = &plan.blocks[index];
-                for j in b.first as usize..(b.first + b.count) as usize {
-                    a[(i, j)] *= 1.0 + f64::from(b.softness);
-                }
-            }
-            None => a[(i, i)] += f64::from(row.softness) + f64::from(row.recovery_softness) * a[(i, i)],
-        }
+        a[(i, i)] += f64::from(row.softness);
     }
     a
 }

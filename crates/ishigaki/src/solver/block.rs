@@ -2,10 +2,9 @@
 //!
 //! The rows of one joint share two bodies and are strongly coupled: for a light bob on a long arm the condition
 //! of J M⁻¹Jᵀ is (1 + m r²/I) ≈ 1000, and Gauss–Seidel over its three rows would crawl. A block is a run of up to
-//! six hard rows without bounds; K = J M⁻¹Jᵀ is factored once a substep as LDLᵀ, and Δλ = −K⁻¹ w. While errors are
-//! recovered the block is softened by γ = κ K, which comes to Δλ = −(K⁻¹w + κλ)/(1 + κ): the same in all directions,
-//! however differently K resists them. A row whose pivot
-//! vanishes (both bodies are locked along it, or two rows ask for the same) is left out.
+//! six hard rows without bounds; K = J M⁻¹Jᵀ is factored before the sweeps and after the motion as LDLᵀ, and
+//! Δλ = −K⁻¹ w. A row whose pivot vanishes (both bodies are locked along it, or two rows ask for the same) is left out.
+//! Ends of ranges are rows of their own, visited with the block of their joint (`reference.rs`).
 //! Proved by `tests/smoke.rs` (a pendulum keeps its length) and the unit tests here.
 
 use crate::constraint::friction::Coupling;
@@ -27,8 +26,8 @@ pub struct Block {
     lower: [[f32; MAX_BLOCK]; MAX_BLOCK],
     /// It is solved with a tree of joints, not alone.
     pub in_tree: bool,
-    /// κ while errors are recovered, 0 in relax sweeps.
-    pub softness: f32,
+    /// Which one.
+    pub tree: u32,
     /// 1/D; 0 for rows left out.
     inverse_pivots: [f32; MAX_BLOCK],
 }
@@ -43,7 +42,7 @@ pub fn gather(first: usize, rows: &mut [Row], blocks: &mut Vec<Block>) {
                 first: start as u32,
                 count: run as u32,
                 in_tree: false,
-                softness: rows[start].recovery_softness,
+                tree: 0,
                 lower: [[0.0; MAX_BLOCK]; MAX_BLOCK],
                 inverse_pivots: [0.0; MAX_BLOCK],
             };
@@ -54,6 +53,11 @@ pub fn gather(first: usize, rows: &mut [Row], blocks: &mut Vec<Block>) {
             blocks.push(block);
         }
         start += run.max(1);
+    }
+    if rows[first..].iter().any(|row| matches!(row.coupling, Coupling::Block(_))) {
+        for row in rows[first..].iter_mut().filter(|row| row.is_limit()) {
+            row.coupling = Coupling::Limit(blocks.len() as u32 - 1);
+        }
     }
 }
 
@@ -80,27 +84,44 @@ impl Block {
         }
     }
 
-    /// Δλ = −(K⁻¹ (J u + bias) + κλ)/(1 + κ), u += M⁻¹Jᵀ Δλ.
-    pub fn solve(&self, rows: &mut [Row], bodies: &mut [SolverBody]) {
-        let rows = &mut rows[self.first as usize..][..self.count as usize];
-        let mut x = [0.0_f32; MAX_BLOCK];
-        for i in 0..rows.len() {
-            let row = &rows[i];
-            let w = row.velocity(bodies) + row.bias;
-            x[i] = w - (0..i).map(|k| self.lower[i][k] * x[k]).sum::<f32>();
+    /// x = K⁻¹ x.
+    fn substitute(&self, x: &mut [f32; MAX_BLOCK]) {
+        let count = self.count as usize;
+        for i in 0..count {
+            x[i] -= (0..i).map(|k| self.lower[i][k] * x[k]).sum::<f32>();
         }
-        for i in (0..rows.len()).rev() {
+        for i in (0..count).rev() {
             x[i] *= self.inverse_pivots[i];
-            x[i] -= (i + 1..rows.len()).map(|k| self.lower[k][i] * x[k]).sum::<f32>();
+            x[i] -= (i + 1..count).map(|k| self.lower[k][i] * x[k]).sum::<f32>();
             if self.inverse_pivots[i] == 0.0 {
                 x[i] = 0.0;
             }
         }
-        let share = 1.0 / (1.0 + self.softness);
+    }
+
+    /// J M⁻¹Jᵀ of a row between the same two bodies with what the block leaves of M⁻¹: K_ll − K_lb K⁻¹ K_bl.
+    pub fn free_part(&self, row: &Row, rows: &[Row]) -> f32 {
+        let rows = &rows[self.first as usize..][..self.count as usize];
+        let mut coupling = [0.0_f32; MAX_BLOCK];
+        for (c, other) in coupling.iter_mut().zip(rows) {
+            *c = inner(&other.jacobian, &row.response);
+        }
+        let mut x = coupling;
+        self.substitute(&mut x);
+        inner(&row.jacobian, &row.response) - coupling.iter().zip(x).map(|(c, x)| c * x).sum::<f32>()
+    }
+
+    /// Δλ = −K⁻¹ (J u + bias), u += M⁻¹Jᵀ Δλ.
+    pub fn solve(&self, rows: &mut [Row], bodies: &mut [SolverBody]) {
+        let rows = &mut rows[self.first as usize..][..self.count as usize];
+        let mut x = [0.0_f32; MAX_BLOCK];
+        for (x, row) in x.iter_mut().zip(rows.iter()) {
+            *x = row.velocity(bodies) + row.bias;
+        }
+        self.substitute(&mut x);
         for (row, x) in rows.iter_mut().zip(x) {
-            let delta_lambda = -share * (x + self.softness * row.lambda);
-            row.lambda += delta_lambda;
-            row.apply(bodies, delta_lambda);
+            row.lambda -= x;
+            row.apply(bodies, -x);
         }
     }
 }

@@ -3,7 +3,8 @@
 //! A sweep passes a load on from joint to joint; a chain of 100 links under a load a thousand times as heavy as a link
 //! stretches at any number of sweeps. Here the equality rows of connected joints are one unit of the sweep:
 //! K Δλ = −(J u + bias) with K = J M⁻¹Jᵀ over the whole tree, sparse, by LDLᵀ (`block_ldl.rs`); for a tree the cost
-//! is linear. Limits, motors and contacts stay rows of their own, visited in turn with it.
+//! is linear. Motors and contacts stay rows of their own, visited in turn with it; so do limits, which see what the tree
+//! leaves free (`reference.rs`).
 //!
 //! A taut string of light links swings faster than any affordable substep: a link under the impulse λ of a joint at
 //! arm r has the stiffness |λ|·|r|/h against turning. Where h·|λ|·|r| exceeds `FREE` of its inertia, what exceeds is added
@@ -33,9 +34,10 @@ pub struct JointTree {
     pattern: Pattern,
     ldl: BlockLdl,
     x: Vec<[f32; MAX_SIZE]>,
+    coupling: Vec<[f32; MAX_SIZE]>,
     /// Other joints close loops with it: it is part of a net.
     pub in_net: bool,
-    /// It touches something: its joints are solved one by one, softly, in turn with the contacts.
+    /// It touches something: its joints are solved one by one, in turn with the contacts.
     pub is_idle: bool,
     /// Moving body, block of the tree, whether it is the block's A; sorted.
     users: Vec<(u32, u32, bool)>,
@@ -66,13 +68,14 @@ impl Forest {
             self.trees.clear();
             self.plant(rows, blocks, bodies);
         }
-        for tree in &mut self.trees {
+        for (index, tree) in self.trees.iter_mut().enumerate() {
             tree.is_idle = tree.users.iter().any(|user| bodies[user.0 as usize].touched);
             for user in &tree.users {
                 bodies[user.0 as usize].in_idle_tree = tree.is_idle;
+                bodies[user.0 as usize].in_net = tree.in_net;
             }
             for &block in &tree.blocks {
-                blocks[block as usize].in_tree = !tree.is_idle;
+                (blocks[block as usize].in_tree, blocks[block as usize].tree) = (!tree.is_idle, index as u32);
             }
         }
     }
@@ -226,6 +229,26 @@ impl JointTree {
         self.ldl.factor(&self.pattern, 0.0);
     }
 
+    /// J M⁻¹Jᵀ of a row on its bodies with what the tree leaves of M⁻¹: K_ll − K_lt K⁻¹ K_tl.
+    pub fn free_part(&mut self, row: &Row, rows: &[Row], blocks: &[Block]) -> f32 {
+        let (mut x, mut coupling) = (std::mem::take(&mut self.x), std::mem::take(&mut self.coupling));
+        coupling.clear();
+        coupling.resize(self.blocks.len(), [0.0; MAX_SIZE]);
+        for (body, is_a) in [(row.body_a, true), (row.body_b, false)] {
+            let first = self.users.partition_point(|user| user.0 < body);
+            for &(_, node, node_is_a) in self.users[first..].iter().take_while(|user| user.0 == body) {
+                for (c, other) in coupling[node as usize].iter_mut().zip(self.rows(node, rows, blocks)) {
+                    *c += inner_at(row, is_a, other, node_is_a);
+                }
+            }
+        }
+        x.clone_from(&coupling);
+        self.ldl.solve(&self.pattern, &mut x);
+        let taken: f32 = coupling.iter().flatten().zip(x.iter().flatten()).map(|(c, x)| c * x).sum();
+        (self.x, self.coupling) = (x, coupling);
+        inner(&row.jacobian, &row.response) - taken
+    }
+
     fn rows<'a>(&self, node: u32, rows: &'a [Row], blocks: &[Block]) -> &'a [Row] {
         let block = &blocks[self.blocks[node as usize] as usize];
         &rows[block.first as usize..][..block.count as usize]
@@ -247,14 +270,11 @@ impl JointTree {
             self.x = x;
             return;
         }
-        let softness = blocks[self.blocks[0] as usize].softness;
-        let share = 1.0 / (1.0 + softness);
         for (x, &block) in x.iter().zip(&self.blocks) {
             let block = &blocks[block as usize];
             for (row, x) in rows[block.first as usize..][..block.count as usize].iter_mut().zip(x) {
-                let delta_lambda = -share * (x + softness * row.lambda);
-                row.lambda += delta_lambda;
-                row.apply(bodies, delta_lambda);
+                row.lambda -= x;
+                row.apply(bodies, -x);
             }
         }
         self.x = x;
@@ -269,7 +289,7 @@ pub fn stiffen(rows: &[Row], blocks: &[Block], h: f32, bodies: &mut [SolverBody]
     }
     for block in blocks {
         let rows = &rows[block.first as usize..][..block.count as usize];
-        // Solved softly and one by one, they need none, and heaps come to rest sooner without.
+        // Solved one by one they need none, and heaps come to rest sooner without.
         if bodies[rows[0].body_a as usize].in_idle_tree || bodies[rows[0].body_b as usize].in_idle_tree {
             continue;
         }

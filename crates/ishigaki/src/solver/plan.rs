@@ -8,10 +8,11 @@ use crate::constraint::contact::{self, Layout, Surface};
 use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
 use crate::constraint::row::RowSpec;
-use crate::math::Mat3;
+use crate::math::{Mat3, Vec3};
 use crate::options::{Jointed, Permutation, SolverOptions};
 use crate::solver::block::{self, Block};
 use crate::solver::hand_down::HandDown;
+use crate::solver::joint_recovery::{choose_recovery, is_recovered};
 use crate::solver::joint_tree::Forest;
 use crate::solver::level_correction::LevelCorrection;
 use crate::solver::manifold_block::{self, ManifoldBlock};
@@ -66,6 +67,10 @@ pub struct Plan {
     pub sweep_work: u64,
     /// Multiply-adds of masses and factors of joints.
     pub joint_work: u64,
+    /// Multiply-adds of a sweep over what joint recovery visits.
+    pub recovery_work: u64,
+    /// Impulses of joints while these recover.
+    pub lambdas: Vec<f32>,
     /// Islands of a batch that these rows are for, and those chosen for correction.
     pub(crate) rows_of: Vec<bool>,
     pub(crate) chosen: Vec<bool>,
@@ -199,8 +204,6 @@ impl World {
         plan.blocks.clear();
         let scale = self.warm_start_scale(dt) / plan.share;
         let step = self.joint_step(dt / plan.substeps as f32);
-        let recovery = &self.options.solver.joint_recovery;
-        let softness = if recovery.enabled { recovery.softness } else { 0.0 };
         for (slot, joint) in self.joints.iter_mut() {
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (body_a, body_b) = (plan.index_of[a as usize], plan.index_of[b as usize]);
@@ -211,15 +214,14 @@ impl World {
             plan.specs.clear();
             joint.resolved.rows(&joint.definition.kind, &a.frame(), &b.frame(), &step, &mut plan.specs);
             for body in [body_a, body_b] {
-                plan.bodies[body as usize].jointed = true;
+                let body = &mut plan.bodies[body as usize];
+                body.shares_joints = body.jointed && body.inverse_mass != Vec3::ZERO;
+                body.jointed = true;
             }
             let first = plan.rows.len() as u32;
             plan.joints.push(JointRows { joint: slot, first, count: plan.specs.len() as u32 });
-            for (spec, &lambda) in plan.specs.iter().zip(&joint.lambdas) {
-                let mut row = Row::of_joint(spec, body_a, body_b, lambda * scale);
-                row.recovery_softness = if row.is_hard_equality() { softness } else { 0.0 };
-                plan.rows.push(row);
-            }
+            let rows = plan.specs.iter().zip(&joint.lambdas);
+            plan.rows.extend(rows.map(|(spec, &lambda)| Row::of_joint(spec, body_a, body_b, lambda * scale)));
             block::gather(first as usize, &mut plan.rows, &mut plan.blocks);
         }
     }
@@ -289,15 +291,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     } else {
         plan.forest = Forest::default();
     }
-    for tree in plan.forest.trees.iter().filter(|t| !t.in_net && !t.is_idle) {
-        for &block in &tree.blocks {
-            // Exact solutions need no softness to converge.
-            let block = &plan.blocks[block as usize];
-            for row in &mut plan.rows[block.first as usize..][..block.count as usize] {
-                row.recovery_softness = 0.0;
-            }
-        }
-    }
+    choose_recovery(plan, options.joint_tree.enabled);
     plan.manifold_blocks.clear();
     if blocks {
         plan.manifold_blocks.extend(plan.manifolds.iter().map(ManifoldBlock::new));
@@ -346,6 +340,8 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
 fn count_work(plan: &mut Plan, options: &SolverOptions) {
     let passes = u64::from(options.manifold_block.passes);
     plan.sweep_work = plan.units.iter().map(|&unit| unit_work(plan, unit, passes)).sum();
+    let recovered = plan.units.iter().filter(|&&unit| is_recovered(unit, plan));
+    plan.recovery_work = recovered.map(|&unit| unit_work(plan, unit, passes)).sum();
     let rows = plan.joints.iter().map(|j| u64::from(j.count)).sum::<u64>() * (work::RESPONSE + work::INNER);
     let alone = plan.units.iter().filter_map(|u| match *u {
         Unit::Row(row) => match plan.rows[row as usize].coupling {
@@ -371,6 +367,16 @@ fn unit_work(plan: &Plan, unit: Unit, passes: u64) -> u64 {
 fn row_work(plan: &Plan, row: u32) -> u64 {
     match plan.rows[row as usize].coupling {
         Coupling::None | Coupling::Interval(_) => work::VISIT,
+        // Where a limit bears, its joint is solved with it.
+        Coupling::Limit(_) if plan.rows[row as usize].lambda == 0.0 => work::VISIT,
+        Coupling::Limit(block) => {
+            let block = &plan.blocks[block as usize];
+            work::VISIT
+                + match plan.forest.trees.get(block.tree as usize) {
+                    Some(tree) if block.in_tree => tree.visit_work(&plan.blocks),
+                    _ => work::block(u64::from(block.count)),
+                }
+        }
         Coupling::Disk(_) => work::DISK,
         Coupling::Block(block) => work::block(u64::from(plan.blocks[block as usize].count)),
         Coupling::Partner => 0,

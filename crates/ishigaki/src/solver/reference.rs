@@ -8,7 +8,7 @@
 use crate::constraint::friction::{Bound, Coupling};
 use crate::solver::block::Block;
 use crate::solver::plan::Plan;
-use crate::solver::table::{Row, SolverBody};
+use crate::solver::table::{Row, SolverBody, inner};
 
 /// What a sweep visits as one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,7 +47,10 @@ pub fn sweep_restless(plan: &mut Plan, passes: u32) -> u64 {
 pub fn visit(unit: Unit, plan: &mut Plan, passes: u32) {
     let (rows, blocks, bodies) = (&mut plan.rows, &plan.blocks, &mut plan.bodies);
     match unit {
-        Unit::Row(row) => solve_row_of(row as usize, rows, blocks, bodies),
+        Unit::Row(row) => match rows[row as usize].coupling {
+            Coupling::Limit(block) => solve_limit(row as usize, block, plan),
+            _ => solve_row_of(row as usize, rows, blocks, bodies),
+        },
         Unit::Manifold(index) => plan.manifold_blocks[index as usize].solve(passes, rows, blocks, bodies),
         Unit::Tree(index) => plan.forest.trees[index as usize].solve(rows, blocks, bodies),
     }
@@ -57,7 +60,7 @@ pub fn visit(unit: Unit, plan: &mut Plan, passes: u32) {
 #[inline]
 pub fn solve_row_of(unit: usize, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
     match rows[unit].coupling {
-        Coupling::None => solve_row(&mut rows[unit], bodies),
+        Coupling::None | Coupling::Limit(_) => solve_row(&mut rows[unit], bodies),
         Coupling::Interval(bound) => {
             let reach = reach(&bound, rows);
             let row = &mut rows[unit];
@@ -79,9 +82,42 @@ pub fn reach(bound: &Bound, rows: &[Row]) -> f32 {
     bound.coefficient * sum.max(0.0)
 }
 
+/// Part of J M⁻¹Jᵀ below which a joint leaves a limit nothing but rounding.
+const LEAST_FREE: f32 = 1e-4;
+
+/// The end of a range: an impulse as great as what its joint leaves free needs, then the joint again. A light arm with
+/// a heavy load welded to its end would give a row that sees the arm alone a hundredth of the impulse that stops it.
+fn solve_limit(index: usize, block: u32, plan: &mut Plan) {
+    let row = &plan.rows[index];
+    let w = row.velocity(&plan.bodies) + row.bias;
+    if row.lambda == 0.0 && w >= 0.0 {
+        return;
+    }
+    let of_joint = plan.blocks[block as usize];
+    if row.limit_mass == 0.0 {
+        let k = inner(&row.jacobian, &row.response);
+        let free = if of_joint.in_tree {
+            plan.forest.trees[of_joint.tree as usize].free_part(row, &plan.rows, &plan.blocks)
+        } else {
+            of_joint.free_part(row, &plan.rows)
+        };
+        plan.rows[index].limit_mass = if free > LEAST_FREE * k { 1.0 / free } else { row.effective_mass };
+    }
+    let row = &mut plan.rows[index];
+    let lambda = (row.lambda - w * row.limit_mass).max(0.0);
+    let delta_lambda = lambda - row.lambda;
+    row.lambda = lambda;
+    row.apply(&mut plan.bodies, delta_lambda);
+    if of_joint.in_tree {
+        plan.forest.trees[of_joint.tree as usize].solve(&mut plan.rows, &plan.blocks, &mut plan.bodies);
+    } else {
+        of_joint.solve(&mut plan.rows, &mut plan.bodies);
+    }
+}
+
 #[inline]
 fn solve_row(row: &mut Row, bodies: &mut [SolverBody]) {
-    let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
+    let w = row.velocity(bodies) + row.softness * row.lambda + row.bias;
     // Clamp the sum, not the increment: a later sweep may give impulse back.
     // Not `clamp`: it panics where a bound is NaN.
     let lambda = (row.lambda - w * row.effective_mass).max(row.lower).min(row.upper);

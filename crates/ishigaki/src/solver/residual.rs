@@ -12,12 +12,12 @@ use crate::solver::table::{Row, SolverBody, inner};
 pub fn residual(rows: &[Row], blocks: &[Block], bodies: &[SolverBody]) -> f32 {
     let mut greatest = 0.0_f32;
     let wanted = |row: &Row| {
-        let w = row.velocity(bodies) + row.gamma * row.lambda + row.bias;
+        let w = row.velocity(bodies) + row.softness * row.lambda + row.bias;
         row.lambda - w * row.effective_mass
     };
     for (i, row) in rows.iter().enumerate() {
         let change = match row.coupling {
-            Coupling::None => (row.lambda - wanted(row).max(row.lower).min(row.upper)).abs(),
+            Coupling::None | Coupling::Limit(_) => (row.lambda - wanted(row).max(row.lower).min(row.upper)).abs(),
             Coupling::Interval(bound) => {
                 let reach = reach(&bound, rows);
                 (row.lambda - wanted(row).max(-reach).min(reach)).abs()
@@ -39,13 +39,12 @@ pub fn residual(rows: &[Row], blocks: &[Block], bodies: &[SolverBody]) -> f32 {
     greatest
 }
 
-/// Rows of a block have no bounds: the greatest |w| / (J M⁻¹Jᵀ), with the softness κKλ of recovery in w.
+/// Rows of a block have no bounds: the greatest |w| / (J M⁻¹Jᵀ).
 fn block_residual(block: &Block, rows: &[Row], bodies: &[SolverBody]) -> f32 {
     let rows = &rows[block.first as usize..][..block.count as usize];
     let mut greatest = 0.0_f32;
     for row in rows {
-        let compliance: f32 = rows.iter().map(|other| inner(&row.jacobian, &other.response) * other.lambda).sum();
-        let w = row.velocity(bodies) + row.bias + block.softness * compliance;
+        let w = row.velocity(bodies) + row.bias;
         let k = inner(&row.jacobian, &row.response);
         greatest = greatest.max(if k > 0.0 { (w / k).abs() } else { 0.0 });
     }

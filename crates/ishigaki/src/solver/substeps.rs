@@ -1,20 +1,21 @@
 //! Stage `solve`: all substeps, velocities and positions.
 //!
-//! Each substep: rows of joints anew · forces · impacts · warm start · sweeps with recovery · bodies move ·
-//! relax sweeps without recovery, which take its speed out again. Contacts keep their Jacobians over the step,
-//! their separations advance by J·δ; joints refresh anchors, since their errors must not drift, before the sweeps
-//! and after the motion: velocities end tangent to what the joint allows there, and what swings keeps its energy.
+//! Each substep: rows of joints anew · forces · impacts · warm start · sweeps with recovery · bodies move · joints
+//! recover (`joint_recovery.rs`) · relax sweeps without recovery, which take its speed out again. Contacts keep their
+//! Jacobians over the step, their separations advance by J·δ; joints refresh anchors, since their errors must not
+//! drift, before the sweeps and after the motion: velocities end tangent to what the joint allows there, and what swings
+//! keeps its energy.
 //! Proved by `tests/laws_pendulum.rs`, `tests/laws_momentum.rs`.
 
 use crate::body::{BodyState, unlocked};
 use crate::collision::manifold::Contact;
 use crate::constraint::contact;
-use crate::constraint::frame::{BodyFrame, JointStep};
+use crate::constraint::frame::BodyFrame;
 use crate::constraint::joint_rows::reaction;
 use crate::constraint::row::RowSpec;
 use crate::math::{Quat, Vec3};
 use crate::motion::{self, Spin, drift, forces};
-use crate::options::DriftScheme;
+use crate::options::{DriftScheme, Permutation};
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::{Plan, scale_contacts};
 use crate::solver::restitution::{self, Impact};
@@ -55,7 +56,11 @@ impl World {
         self.velocity_sweeps(plan, h, substep + 1 == plan.substeps);
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
-
+        if !plan.joints.is_empty() {
+            self.turn_joint_rows(plan, h);
+            self.report.work += factor_joints(plan);
+            self.recover_joints(plan, h);
+        }
         if plan.relax_sweeps > 0 {
             self.relax(plan, h);
         }
@@ -68,6 +73,7 @@ impl World {
     pub(crate) fn prepare_substep(&mut self, plan: &mut Plan, h: f32, substep: u32) {
         if substep > 0 {
             self.refresh_joint_rows(plan, h);
+            self.restore_order(plan);
         }
         self.apply_forces(plan, h, substep == 0);
         joint_tree::stiffen(&plan.rows, &plan.blocks, h, &mut plan.bodies);
@@ -78,31 +84,39 @@ impl World {
         }
     }
 
+    /// Where all joints are solved exactly each substep visits in the order of the first: trees last before the motion, so
+    /// that nothing is left between joints, and motors last after it, so that they end at their speed. Nets and what
+    /// touches converge better forwards and backwards in turn.
+    fn restore_order(&self, plan: &mut Plan) {
+        let alternates = self.options.solver.permutation == Permutation::Alternating;
+        let turns = plan.sweeps + plan.relax_sweeps - 1;
+        let is_exact = !plan.joints.is_empty() && plan.forest.trees.iter().all(|t| !t.in_net && !t.is_idle);
+        if alternates && is_exact && !turns.is_multiple_of(2) {
+            plan.units.reverse();
+        }
+    }
+
     /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
-        let step = self.joint_step(h);
         self.collect_frames(plan, BodyState::frame);
-        self.for_joint_rows(plan, &step, |row, spec, _| {
+        self.for_joint_rows(plan, h, |row, spec, _| {
             let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
-            *row = Row {
-                total_lambda: row.total_lambda,
-                coupling: row.coupling,
-                recovery_softness: row.recovery_softness,
-                ..fresh
-            };
+            let bias = if row.by_pose { fresh.relax_bias + fresh.arc } else { fresh.bias };
+            let (total_lambda, coupling, by_pose) = (row.total_lambda, row.coupling, row.by_pose);
+            *row = Row { total_lambda, coupling, by_pose, bias, ..fresh };
         });
     }
 
-    /// Jacobians of hard joint rows at the poses after the motion. Velocities must end along what the joint allows
-    /// *there*: along the directions before the motion, the next substep would take the difference out as a loss.
-    /// Soft rows stay: their bias is an implicit equation about the whole substep.
+    /// Jacobians of hard joint rows at the poses after the motion, with the bias of what recovers there. Velocities must
+    /// end along what the joint allows *there*: along the directions before the motion, the next substep would take the
+    /// difference out as a loss. Soft rows stay: their bias is an implicit equation about the whole substep.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
-        let step = JointStep { h, recovery_rate: 0.0 };
         self.collect_frames(plan, BodyState::frame_without_gyration);
-        self.for_joint_rows(plan, &step, |row, spec, bodies| {
+        self.for_joint_rows(plan, h, |row, spec, bodies| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
-                row.bias = spec.relax_bias;
+                let recovery = if row.by_pose { spec.bias - spec.arc } else { spec.relax_bias };
+                (row.bias, row.relax_bias) = (recovery, spec.relax_bias);
                 row.refresh_mass(bodies);
             }
         });
@@ -119,12 +133,8 @@ impl World {
     }
 
     /// Calls `edit` for each joint row with what its joint asks for at the poses as they are.
-    fn for_joint_rows(
-        &mut self,
-        plan: &mut Plan,
-        step: &JointStep,
-        mut edit: impl FnMut(&mut Row, &RowSpec, &[SolverBody]),
-    ) {
+    fn for_joint_rows(&mut self, plan: &mut Plan, h: f32, mut edit: impl FnMut(&mut Row, &RowSpec, &[SolverBody])) {
+        let step = self.joint_step(h);
         for rows in &plan.joints {
             let joint = self.joints.at_mut(rows.joint);
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
@@ -133,7 +143,7 @@ impl World {
                 index => plan.frames[index as usize],
             });
             plan.specs.clear();
-            joint.resolved.rows(&joint.definition.kind, &a, &b, step, &mut plan.specs);
+            joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
             let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
             for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
                 edit(row, spec, &plan.bodies);
@@ -201,10 +211,6 @@ impl World {
     fn relax(&mut self, plan: &mut Plan, h: f32) {
         for row in &mut plan.rows {
             row.bias = row.relax_bias;
-        }
-        if !plan.joints.is_empty() {
-            self.turn_joint_rows(plan, h);
-            self.report.work += harden_joints(plan);
         }
         self.refresh_contact_biases(plan, h);
         let restitution = self.options.solver.restitution.enabled;
@@ -498,35 +504,21 @@ fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
             work += n * (n + 1) / 2 * work::INNER;
         }
     }
-    for block in &mut plan.blocks {
-        block.softness = plan.rows[block.first as usize].recovery_softness;
-        if !block.in_tree {
-            block.factor(&plan.rows);
-        }
+    for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
+        block.factor(&plan.rows);
     }
-    factor_trees(plan);
-    work
-}
-
-fn factor_trees(plan: &mut Plan) {
     for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         tree.factor(&plan.rows, &plan.blocks);
     }
+    work
 }
 
-/// Joint rows without the softness of recovery; multiply-adds of that.
-fn harden_joints(plan: &mut Plan) -> u64 {
+/// Factors of joints whose rows have turned; multiply-adds of rows and factors.
+fn factor_joints(plan: &mut Plan) -> u64 {
     let mut work = plan.joint_rows() as u64 * (work::RESPONSE + work::INNER);
-    let joint_rows = plan.joints.last().map_or(0, |j| (j.first + j.count) as usize);
-    for row in &mut plan.rows[..joint_rows] {
-        row.harden();
-    }
-    for block in &mut plan.blocks {
-        block.softness = 0.0;
-        // Their rows have turned: old factors would leave a little motion for ever, and heaps would not come to rest.
-        if !block.in_tree {
-            block.factor(&plan.rows);
-        }
+    // With old factors a little motion would be left for ever, and heaps would not come to rest.
+    for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
+        block.factor(&plan.rows);
     }
     for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         // Of slow bodies the factors stay those of the poses before the motion: the little that turned comes back in

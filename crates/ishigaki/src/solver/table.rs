@@ -30,6 +30,10 @@ pub struct SolverBody {
     pub touched: bool,
     /// Its joints are solved one by one, since it or what it is joined to touches something.
     pub in_idle_tree: bool,
+    /// Its joints close loops.
+    pub in_net: bool,
+    /// It has more than one joint.
+    pub shares_joints: bool,
     /// How far it had turned when its inertia was taken, rad.
     pub turn_of_inertia: Vec3,
     /// How far the center moved in this step, m.
@@ -58,6 +62,8 @@ impl SolverBody {
         jointed: false,
         touched: false,
         in_idle_tree: false,
+        in_net: false,
+        shares_joints: false,
         turn_of_inertia: Vec3::ZERO,
         translation: Vec3::ZERO,
         turn: Vec3::ZERO,
@@ -120,16 +126,14 @@ pub struct Row {
     pub response: Response,
     /// 1/(J M⁻¹Jᵀ + γ).
     pub effective_mass: f32,
-    /// γ that the constraint asks for.
+    /// γ.
     pub softness: f32,
-    /// More γ while errors are recovered, as a part of J M⁻¹Jᵀ.
-    pub recovery_softness: f32,
-    /// γ of the sweeps that run now.
-    pub gamma: f32,
     /// With recovery of position errors; the sweep reads this one.
     pub bias: f32,
     /// Without; copied to `bias` for relax sweeps.
     pub relax_bias: f32,
+    /// What the way along arcs adds to the error in this substep, m/s.
+    pub arc: f32,
     /// Least λ.
     pub lower: f32,
     /// Greatest λ.
@@ -138,6 +142,10 @@ pub struct Row {
     pub coupling: Coupling,
     /// For the first row of a disk: J₁ M⁻¹J₂ᵀ, the coupling with its partner.
     pub cross_mass: f32,
+    /// For the end of a range: 1/(J M⁻¹Jᵀ) with what the equality rows of its joint leave of M⁻¹; 0 until it is asked for.
+    pub limit_mass: f32,
+    /// Of a joint that recovers by moving its bodies, not by their velocities.
+    pub by_pose: bool,
     /// λ, N·s or N·m·s.
     pub lambda: f32,
     /// λ summed over the substeps.
@@ -148,6 +156,11 @@ impl Row {
     /// An equality without a spring of its own.
     pub fn is_hard_equality(&self) -> bool {
         self.softness == 0.0 && self.lower == f32::NEG_INFINITY && self.upper == f32::INFINITY
+    }
+
+    /// An end of a range.
+    pub fn is_limit(&self) -> bool {
+        self.softness == 0.0 && self.lower == 0.0 && self.upper == f32::INFINITY
     }
 
     /// J u, m/s or rad/s.
@@ -187,23 +200,13 @@ impl Row {
             + self.jacobian.angular_b.dot(b.turn)
     }
 
-    /// Fills in what depends on the masses: M⁻¹Jᵀ and 1/(J M⁻¹Jᵀ + γ), for sweeps with recovery.
+    /// Fills in what depends on the masses: M⁻¹Jᵀ and 1/(J M⁻¹Jᵀ + γ).
     pub fn refresh_mass(&mut self, bodies: &[SolverBody]) {
         let (a, b) = (&bodies[self.body_a as usize], &bodies[self.body_b as usize]);
         self.response = response(&self.jacobian, a, b, self.scale);
-        let k = inner(&self.jacobian, &self.response);
-        self.soften(k, self.softness + self.recovery_softness * k);
-    }
-
-    /// The row as hard as its constraint: for relax sweeps.
-    pub fn harden(&mut self) {
-        let k = inner(&self.jacobian, &self.response);
-        self.soften(k, self.softness);
-    }
-
-    fn soften(&mut self, k: f32, gamma: f32) {
-        self.gamma = gamma;
-        self.effective_mass = if k + gamma > 0.0 { 1.0 / (k + gamma) } else { 0.0 };
+        let k = inner(&self.jacobian, &self.response) + self.softness;
+        self.effective_mass = if k > 0.0 { 1.0 / k } else { 0.0 };
+        self.limit_mass = 0.0;
     }
 }
 
@@ -248,14 +251,15 @@ impl Row {
             response: Response::default(),
             effective_mass: 0.0,
             softness: 0.0,
-            recovery_softness: 0.0,
-            gamma: 0.0,
             bias: spec.bias,
             relax_bias: spec.bias,
+            arc: 0.0,
             lower: 0.0,
             upper: f32::INFINITY,
             coupling: spec.coupling,
             cross_mass: 0.0,
+            limit_mass: 0.0,
+            by_pose: false,
             lambda: spec.lambda,
             total_lambda: 0.0,
         }
@@ -271,14 +275,15 @@ impl Row {
             response: Response::default(),
             effective_mass: 0.0,
             softness: spec.softness,
-            recovery_softness: 0.0,
-            gamma: 0.0,
             bias: spec.bias,
             relax_bias: spec.relax_bias,
+            arc: spec.arc,
             lower: spec.lower,
             upper: spec.upper,
             coupling: Coupling::None,
             cross_mass: 0.0,
+            limit_mass: 0.0,
+            by_pose: false,
             lambda,
             total_lambda: 0.0,
         }

@@ -64,6 +64,7 @@ impl Coordinate {
             softness: 0.0,
             bias: -motor.speed,
             relax_bias: -motor.speed,
+            arc: 0.0,
             lower: -most,
             upper: most,
         }
@@ -88,6 +89,7 @@ impl Coordinate {
             softness,
             bias,
             relax_bias: bias,
+            arc: 0.0,
             lower: f32::NEG_INFINITY,
             upper: f32::INFINITY,
         }
@@ -154,6 +156,6 @@ fn has_passive(drive: &Drive) -> bool {
 /// Ċ + C/h ≥ 0 inside (C ≥ 0), Ċ + βC/h ≥ 0 outside.
 fn one_sided(jacobian: Jacobian, c: f32, step: &JointStep) -> RowSpec {
     let (bias, relax_bias) = if c >= 0.0 { (c / step.h, c / step.h) } else { (step.recovery(c), 0.0) };
-    RowSpec { jacobian, softness: 0.0, bias, relax_bias, lower: 0.0, upper: f32::INFINITY }
+    RowSpec { jacobian, softness: 0.0, bias, relax_bias, arc: 0.0, lower: 0.0, upper: f32::INFINITY }
 }
 // ANCHOR_END: one_sided

@@ -49,7 +49,7 @@ impl Point {
             let jacobian = Jacobian::point(axis, self.arm_a, self.arm_b);
             // Bodies move along straight lines in a substep and arms along arcs: C(h) = C + hJu + ½h²·turning.
             let arc = 0.5 * step.h * self.turning.dot(axis);
-            out.push(RowSpec::equality(jacobian, step.recovery(self.gap.dot(axis)) + arc));
+            out.push(RowSpec::equality(jacobian, step.recovery(self.gap.dot(axis))).along(arc));
         }
     }
     // ANCHOR_END: rows
