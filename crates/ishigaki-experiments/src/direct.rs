@@ -1,0 +1,122 @@
+//! What experiments on direct solutions share: a cold step sweep by sweep, with and without the technique, and what a
+//! scene comes to at how much work.
+
+use crate::chart::{Chart, Mark};
+use crate::course::{Course, follow};
+use crate::setup::{DT, scene};
+use crate::{Lab, Result};
+use ishigaki::{Jointed, SolverOptions, StepReport};
+use std::ops::Range;
+
+/// Switches a technique.
+pub type Switch = fn(&mut SolverOptions);
+
+/// A named scene.
+#[derive(Clone, Copy)]
+pub struct Subject {
+    /// For legends and figures.
+    pub label: &'static str,
+    /// Its name.
+    pub scene: &'static str,
+    /// What differs from its defaults.
+    pub parameters: &'static [(&'static str, f64)],
+}
+
+/// Residual over that of the first sweep without the technique, by work in sweeps without it.
+pub type Curve = Vec<(f64, f64)>;
+
+/// The first step of a scene in one substep of so many sweeps: its impulses start from nothing.
+fn cold_step(subject: &Subject, sweeps: usize, switch: Switch) -> Result<StepReport> {
+    let mut scene = scene(subject.scene, subject.parameters, |o| {
+        let solver = &mut o.solver;
+        (solver.substeps, solver.sweeps, solver.relax_sweeps) = (1, sweeps as u32, 0);
+        solver.jointed = Jointed::ALIKE;
+        // Soft recovery would be another problem, with another solution.
+        solver.joint_recovery.softness = 0.0;
+        switch(solver);
+        o.report.residual_by_sweep = true;
+    })?;
+    Ok(scene.world.step(DT).clone())
+}
+
+/// Without and with the technique, the same cold step: `sweeps` and `sweeps_with` of them.
+pub fn cold_curves(subject: &Subject, sweeps: usize, sweeps_with: usize, without: Switch) -> Result<(Curve, Curve)> {
+    let (first, plain) = (cold_step(subject, 1, without)?, cold_step(subject, sweeps, without)?);
+    let (first_with, with) = (cold_step(subject, 1, |_| {})?, cold_step(subject, sweeps_with, |_| {})?);
+    let one_sweep = per_sweep(&first, &plain, sweeps);
+    // All but the sweeps, which both prepare alike.
+    let before = first.work as f64 - one_sweep;
+    let scale = f64::from(plain.residual_by_sweep.first().copied().unwrap_or(f32::NAN));
+    let curve = |first: &StepReport, all: &StepReport, count: usize| {
+        let (start, each) = (first.work as f64 - before, per_sweep(first, all, count));
+        let sweeps = all.residual_by_sweep.iter().enumerate();
+        sweeps.map(|(k, r)| ((start + k as f64 * each) / one_sweep, f64::from(*r) / scale)).collect()
+    };
+    Ok((curve(&first, &plain, sweeps), curve(&first_with, &with, sweeps_with)))
+}
+
+/// Multiply-adds of a sweep, from steps of one and of `count` of them.
+fn per_sweep(one: &StepReport, all: &StepReport, count: usize) -> f64 {
+    (all.work as f64 - one.work as f64) / (count as f64 - 1.0)
+}
+
+/// Sweeps from a hundredth of the first residual to a thousandth, where only the slowest error is left.
+pub fn sweeps_for_a_decade(curve: &Curve) -> f64 {
+    let reached = |part: f64| curve.iter().find(|p| p.1 <= part).map_or(f64::NAN, |p| p.0);
+    reached(1e-3) - reached(1e-2)
+}
+
+/// Sweeps in which an error that falls by cos²θ in each falls to a tenth.
+pub fn decade(theta: f64) -> f64 {
+    std::f64::consts::LN_10 / (-2.0 * theta.cos().ln())
+}
+
+/// An empty chart of [`cold_curves`].
+pub fn cold_chart(title: &str) -> Chart {
+    Chart::curves(title, "work, in sweeps of the rows alone", "residual / that of one sweep").log(true, true)
+}
+
+/// Figures of a scene run with each of some (substeps, sweeps), by the work for it: work over the budget, mm. What
+/// fell is [`FALLEN`].
+pub fn by_work(
+    lab: &mut Lab<'_>,
+    subject: &Subject,
+    seconds: f64,
+    settings: &[(u32, u32)],
+    switch: Switch,
+    figure: fn(&Course) -> f64,
+    part: Range<f64>,
+) -> Result<Vec<(f64, f64)>> {
+    let mut seen = Vec::new();
+    for (i, &(substeps, sweeps)) in settings.iter().enumerate() {
+        let mut scene = scene(subject.scene, subject.parameters, |o| {
+            (o.solver.substeps, o.solver.sweeps) = (substeps, sweeps);
+            switch(&mut o.solver);
+        })?;
+        let at = |i: usize| part.start + (part.end - part.start) * i as f64 / settings.len() as f64;
+        let label = format!("{}: {substeps} substeps of {sweeps} sweeps", subject.label);
+        let course = follow(lab, &mut scene, seconds, at(i)..at(i + 1), &label);
+        seen.push((course.work, figure(&course).min(FALLEN)));
+    }
+    seen.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(seen)
+}
+
+/// More than this is not looked at: it fell, or came apart, mm.
+pub const FALLEN: f64 = 1000.0;
+
+/// Greatest horizontal way, mm; of what does not stand [`FALLEN`].
+pub fn drift(course: &Course) -> f64 {
+    if course.stands { course.drift } else { FALLEN }
+}
+
+/// An empty chart of [`by_work`].
+pub fn work_chart(title: impl Into<String>, y_label: &str) -> Chart {
+    Chart::curves(title, "work / work of twelve sweeps", y_label).log(true, true)
+}
+
+/// Both curves of a subject.
+pub fn add_pair(chart: Chart, subject: &Subject, mark: Mark, without: Curve, with: Curve) -> Chart {
+    let name = |how: &str| format!("{}, {how}", subject.label);
+    chart.series(name("without"), mark, without).series(name("with"), mark, with)
+}
