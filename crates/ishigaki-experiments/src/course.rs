@@ -23,6 +23,8 @@ pub struct Course {
     pub work: f64,
     /// The same, 95th percentile of the steps.
     pub work_95: f64,
+    /// The same, of the dearest step.
+    pub work_most: f64,
     /// Median time of a step on this machine, ms.
     pub step_ms: f64,
 }
@@ -58,6 +60,7 @@ pub fn follow(lab: &mut Lab<'_>, scene: &mut Scene, seconds: f64, part: Range<f6
         gap: 1e3 * f64::from(m.joint_gap),
         work: work as f64 / (budget as f64).max(1.0),
         work_95: percentile(&mut works, 95),
+        work_most: works.iter().copied().fold(0.0, f64::max),
         step_ms: percentile(&mut times, 50),
     }
 }

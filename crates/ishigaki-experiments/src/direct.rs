@@ -22,6 +22,9 @@ pub struct Subject {
     pub parameters: &'static [(&'static str, f64)],
 }
 
+/// Below this a residual is rounding of f32.
+const ROUNDING: f64 = 1e-7;
+
 /// Residual over that of the first sweep without the technique, by work in sweeps without it.
 pub type Curve = Vec<(f64, f64)>;
 
@@ -50,7 +53,9 @@ pub fn cold_curves(subject: &Subject, sweeps: usize, sweeps_with: usize, without
     let curve = |first: &StepReport, all: &StepReport, count: usize| {
         let (start, each) = (first.work as f64 - before, per_sweep(first, all, count));
         let sweeps = all.residual_by_sweep.iter().enumerate();
-        sweeps.map(|(k, r)| ((start + k as f64 * each) / one_sweep, f64::from(*r) / scale)).collect()
+        let point =
+            |(k, r): (usize, &f32)| ((start + k as f64 * each) / one_sweep, (f64::from(*r) / scale).max(ROUNDING));
+        sweeps.map(point).collect()
     };
     Ok((curve(&first, &plain, sweeps), curve(&first_with, &with, sweeps_with)))
 }
@@ -71,9 +76,28 @@ pub fn decade(theta: f64) -> f64 {
     std::f64::consts::LN_10 / (-2.0 * theta.cos().ln())
 }
 
+/// Sweeps that turn back at both ends visit the row there twice running, once for nothing: n rows get n − 1 visits.
+pub fn turning(rows: f64) -> f64 {
+    rows / (rows - 1.0)
+}
+
 /// An empty chart of [`cold_curves`].
 pub fn cold_chart(title: &str) -> Chart {
     Chart::curves(title, "work, in sweeps of the rows alone", "residual / that of one sweep").log(true, true)
+}
+
+/// Both curves of a subject: every second sweep, since what is left goes up and down with the direction, and no more
+/// points than a logarithmic axis shows.
+pub fn add_cold(chart: Chart, subject: &Subject, (without, with): (Curve, Curve)) -> Chart {
+    let mut last = 0.0;
+    let mut is_shown = |i: usize, x: f64| {
+        let shown = i < 8 || (i.is_multiple_of(2) && x > 1.02 * last);
+        last = if shown { x } else { last };
+        shown
+    };
+    let thinned = without.iter().enumerate().filter(|(i, p)| is_shown(*i, p.0)).map(|(_, p)| *p).collect();
+    let name = |how: &str| format!("{}, {how}", subject.label);
+    chart.line(name("without"), thinned).series(name("with"), Mark::Dotted, with.into_iter().take(4).collect())
 }
 
 /// Figures of a scene run with each of some (substeps, sweeps), by the work for it: work over the budget, mm. What
@@ -96,27 +120,46 @@ pub fn by_work(
         let at = |i: usize| part.start + (part.end - part.start) * i as f64 / settings.len() as f64;
         let label = format!("{}: {substeps} substeps of {sweeps} sweeps", subject.label);
         let course = follow(lab, &mut scene, seconds, at(i)..at(i + 1), &label);
-        seen.push((course.work, figure(&course).min(FALLEN)));
+        seen.push((course.work, figure(&course).clamp(NOTHING, FALLEN)));
     }
     seen.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok(seen)
 }
 
 /// More than this is not looked at: it fell, or came apart, mm.
-pub const FALLEN: f64 = 1000.0;
+const FALLEN: f64 = 1000.0;
+/// Less than this is not looked at either, mm.
+const NOTHING: f64 = 0.01;
 
 /// Greatest horizontal way, mm; of what does not stand [`FALLEN`].
 pub fn drift(course: &Course) -> f64 {
     if course.stands { course.drift } else { FALLEN }
 }
 
+/// Greatest overlap, mm; of what does not stand [`FALLEN`].
+pub fn overlap(course: &Course) -> f64 {
+    if course.stands { course.pen } else { FALLEN }
+}
+
+/// Least value of a curve.
+pub fn least(curve: &[(f64, f64)]) -> f64 {
+    curve.iter().map(|p| p.1).fold(f64::MAX, f64::min)
+}
+
+/// Seeds give new contacts the weight above them: without them both start from nothing.
+pub fn unseeded(solver: &mut SolverOptions) {
+    solver.wide.seed = false;
+}
+
 /// An empty chart of [`by_work`].
 pub fn work_chart(title: impl Into<String>, y_label: &str) -> Chart {
-    Chart::curves(title, "work / work of twelve sweeps", y_label).log(true, true)
+    // Room above for marks on the line of what fell.
+    let chart = Chart::curves(title, "work / work of twelve sweeps", y_label).log(true, true);
+    chart.y_range(0.5 * NOTHING, 2.0 * FALLEN).level(FALLEN, "fell or came apart")
 }
 
 /// Both curves of a subject.
-pub fn add_pair(chart: Chart, subject: &Subject, mark: Mark, without: Curve, with: Curve) -> Chart {
+pub fn add_pair(chart: Chart, subject: &Subject, without: Curve, with: Curve) -> Chart {
     let name = |how: &str| format!("{}, {how}", subject.label);
-    chart.series(name("without"), mark, without).series(name("with"), mark, with)
+    chart.series(name("without"), Mark::Dotted, without).series(name("with"), Mark::Dotted, with)
 }

@@ -106,9 +106,12 @@ fn with_ends(layout: Layout, chart: &Chart) -> Layout {
             let ends = places.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
             match ends {
                 (low, high) if low >= high => layout,
-                // Room for half a mark at the end.
+                // Room for half a mark.
                 (low, high) if chart.log_x => {
-                    layout.with_x_axis_min(low).with_x_axis_max(high * (high / low).powf(0.02))
+                    let room = (high / low).powf(0.02);
+                    let has_marks = series.iter().any(|s| matches!(s.mark, Mark::Dotted | Mark::Points));
+                    let start = if has_marks { low / room } else { low };
+                    layout.with_x_axis_min(start).with_x_axis_max(high * room)
                 }
                 (low, high) => {
                     let span = high - low;

@@ -89,7 +89,7 @@ fn tables(rows: &[Row]) -> Vec<Chart> {
         ("Peers: drift, mm", stands, |row| millimeters(row.drift_max)),
         (
             "Peers: overlap, mm",
-            |scene| scene != "free_body" && !scene.starts_with("chain"),
+            |scene| stands(scene) || ["ragdolls", "pile"].iter().any(|s| scene.starts_with(s)),
             |row| millimeters(row.penetration_max),
         ),
         ("Peers: joint gap, mm", has_joints, |row| millimeters(row.joint_gap_max)),
