@@ -83,7 +83,8 @@ pub fn turning(rows: f64) -> f64 {
 
 /// An empty chart of [`cold_curves`].
 pub fn cold_chart(title: &str) -> Chart {
-    Chart::curves(title, "work, in sweeps of the rows alone", "residual / that of one sweep").log(true, true)
+    let chart = Chart::curves(title, "work, in sweeps of the rows alone", "residual / that of one sweep");
+    chart.log(true, true).y_range(0.5 * ROUNDING, 2.0)
 }
 
 /// Both curves of a subject: every second sweep, since what is left goes up and down with the direction, and no more

@@ -66,7 +66,7 @@ fn cold(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
         .open(format!("arch, without: residual after {} sweeps", last.0.round()), "", last.1)
         .open("arch, with: residual after correction and one sweep", "", first.1)
         .open("arch, with: work of both, in sweeps", "", first.0);
-    lab.chart(add_cold(chart, &ARCH, curves).level(1e-3, "a thousandth"));
+    lab.chart(add_cold(chart, &ARCH, curves));
     if let [short, tall] = costs[..] {
         verdict = verdict.open("tower of 40, with: work of both, in sweeps", "", tall).at_most(
             "its growth from 20 boxes to 40 (of sweeps alone it is 4)",
