@@ -23,7 +23,7 @@ pub struct Subject {
 }
 
 /// Below this a residual is rounding of f32.
-const ROUNDING: f64 = 1e-7;
+pub const ROUNDING: f64 = 1e-7;
 
 /// Residual over that of the first sweep without the technique, by work in sweeps without it.
 pub type Curve = Vec<(f64, f64)>;
@@ -81,10 +81,10 @@ pub fn turning(rows: f64) -> f64 {
     rows / (rows - 1.0)
 }
 
-/// An empty chart of [`cold_curves`].
-pub fn cold_chart(title: &str) -> Chart {
+/// An empty chart of [`cold_curves`] down to this residual.
+pub fn cold_chart(title: &str, least: f64) -> Chart {
     let chart = Chart::curves(title, "work, in sweeps of the rows alone", "residual / that of one sweep");
-    chart.log(true, true).y_range(0.5 * ROUNDING, 2.0)
+    chart.log(true, true).y_range(0.5 * least, 2.0)
 }
 
 /// Both curves of a subject: every second sweep, since what is left goes up and down with the direction, and no more
@@ -98,7 +98,7 @@ pub fn add_cold(chart: Chart, subject: &Subject, (without, with): (Curve, Curve)
     };
     let thinned = without.iter().enumerate().filter(|(i, p)| is_shown(*i, p.0)).map(|(_, p)| *p).collect();
     let name = |how: &str| format!("{}, {how}", subject.label);
-    chart.line(name("without"), thinned).series(name("with"), Mark::Dotted, with.into_iter().take(4).collect())
+    chart.line(name("without"), thinned).series(name("with"), Mark::Dotted, with)
 }
 
 /// Figures of a scene run with each of some (substeps, sweeps), by the work for it: work over the budget, mm. What

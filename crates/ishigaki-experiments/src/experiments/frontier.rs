@@ -228,7 +228,7 @@ fn charts(lab: &mut Lab<'_>, all: &[Seen]) {
 fn shorter(value: f64) -> String {
     match value {
         0.0 => "0".to_string(),
-        v if v < 0.01 => "< 0.01".to_string(),
+        v if v <= NOTHING => format!("< {NOTHING}"),
         v if v < 0.1 => format!("{v:.3}"),
         v if v < 10.0 => format!("{v:.2}"),
         v => format!("{v:.0}"),

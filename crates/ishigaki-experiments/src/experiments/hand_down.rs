@@ -44,7 +44,7 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
 
 fn cold(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
     let pyramids: &[(Subject, f64)] = lab.choose(&[(PYRAMID_20, 20.0), (PYRAMID_40, 40.0)], &[(PYRAMID_12, 12.0)]);
-    let mut chart = cold_chart("The first step from a cold start: one pass down and sweeps, and sweeps alone");
+    let mut chart = cold_chart("The first step from a cold start: one pass down and sweeps, and sweeps alone", 1e-4);
     let mut decades = Vec::new();
     for (i, (subject, base)) in pyramids.iter().enumerate() {
         lab.progress(0.15 * i as f64, &format!("{}: cold", subject.label));

@@ -1,8 +1,8 @@
 //! Beyond the talk: all joints of a chain solved at once, where sweeps need as many as links times the mass ratio.
 
 use crate::direct::{
-    Subject, add_cold, add_pair, by_work, cold_chart, cold_curves, decade, least, sweeps_for_a_decade, turning,
-    work_chart,
+    ROUNDING, Subject, add_cold, add_pair, by_work, cold_chart, cold_curves, decade, least, sweeps_for_a_decade,
+    turning, work_chart,
 };
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::SolverOptions;
@@ -60,7 +60,8 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
 }
 
 fn cold(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
-    let mut chart = cold_chart("The first step of a hanging chain from a cold start: at once, and joint by joint");
+    let mut chart =
+        cold_chart("The first step of a hanging chain from a cold start: at once, and joint by joint", ROUNDING);
     let chains: &[Chain] = lab.choose(&[SHORT, MIDDLE, LONG], &[SHORT]);
     for (i, chain) in chains.iter().enumerate() {
         let label = chain.subject.label;
@@ -68,7 +69,7 @@ fn cold(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
         let expected = chain.predicted();
         // The slowest needs a quarter of a million for a tenth: it is only looked at.
         let sweeps = (5.0 * expected).min(30_000.0);
-        let curves = cold_curves(&chain.subject, sweeps as usize, 20, without)?;
+        let curves = cold_curves(&chain.subject, sweeps as usize, 4, without)?;
         let (last, first) = (curves.0[curves.0.len() - 1], curves.1[0]);
         verdict = verdict.at_most(format!("{label}, at once: residual after one visit"), "", 1e-3, first.1);
         if sweeps > expected {

@@ -45,12 +45,13 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
 
 fn cold(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
     let towers: &[(Subject, f64)] = lab.choose(&[(TOWER_20, 20.0), (TOWER_40, 40.0)], &[(TOWER_5, 5.0)]);
-    let mut chart = cold_chart("The first step from a cold start: correction and sweeps, and sweeps alone");
+    let mut chart =
+        cold_chart("The first step from a cold start: correction and sweeps, and sweeps alone", direct::ROUNDING);
     let mut costs = Vec::new();
     for (i, (subject, n)) in towers.iter().enumerate() {
         lab.progress(0.05 * i as f64, &format!("{}: cold", subject.label));
         let expected = predicted(*n);
-        let curves = cold_curves(subject, (4.0 * expected) as usize, 20, without)?;
+        let curves = cold_curves(subject, (4.0 * expected) as usize, 4, without)?;
         let (label, first) = (subject.label, curves.1[0]);
         let seen = sweeps_for_a_decade(&curves.0);
         verdict = verdict
@@ -60,7 +61,7 @@ fn cold(lab: &mut Lab<'_>, mut verdict: Verdict) -> Result<Verdict> {
         chart = add_cold(chart, subject, curves);
     }
     lab.progress(0.1, "arch: cold");
-    let curves = cold_curves(&ARCH, lab.choose(4000, 50), 20, without)?;
+    let curves = cold_curves(&ARCH, lab.choose(4000, 50), 4, without)?;
     let (last, first) = (curves.0[curves.0.len() - 1], curves.1[0]);
     verdict = verdict
         .open(format!("arch, without: residual after {} sweeps", last.0.round()), "", last.1)
