@@ -82,9 +82,12 @@ fn stands(scene: &str) -> bool {
 /// Value and text of a cell.
 type Cell = fn(&Row) -> (f64, String);
 
+/// Title, scenes it is about, cell.
+type Kind = (&'static str, fn(&str) -> bool, Cell);
+
 fn tables(rows: &[Row]) -> Vec<Chart> {
     let yes = |row: &Row| if row.stands { (0.0, "yes".to_string()) } else { (1.0, "no".to_string()) };
-    let kinds: [(&str, fn(&str) -> bool, Cell); 5] = [
+    let kinds: [Kind; 5] = [
         ("Peers: does it stand?", stands, yes),
         ("Peers: drift, mm", stands, |row| millimeters(row.drift_max)),
         (
