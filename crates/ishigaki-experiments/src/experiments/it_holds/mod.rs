@@ -26,8 +26,7 @@ const PARTS: (f64, f64) = (0.9, 0.95);
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
     let trials = &TRIALS[..lab.choose(TRIALS.len(), 3)];
     let columns = ["stood, s", "overlap, mm", "drift, mm", "joint gap, mm", "work, mean", "work, 95 %"];
-    let title =
-        "Default options, sleep off, 60 Hz; work in units of twelve sweeps; (!): beyond its limit, or over budget";
+    let title = "Default options, sleep off, 60 Hz; work over that of twelve sweeps; (!): beyond a limit";
     // What is good in one column is bad in another: no cell is darker than the next.
     let mut table = Chart::table(title, "value", columns).shade(|_| 0.0);
     let mut verdict = Verdict::on("nothing: beyond it. What stands on paper should stand");
@@ -99,7 +98,11 @@ fn cells(trial: &Trial, seconds: f64, course: &Course, overlap: &Overlap) -> [Ce
         Rule::ShouldStand => {
             [cell(course.stood, course.stood >= seconds), within(course.pen, None), within(course.drift, None), dash()]
         }
-        Rule::Joints { gap } => [dash(), within(course.pen, None), dash(), within(course.gap, Some(gap))],
+        Rule::Joints { gap } => {
+            // Chains and nets touch nothing.
+            let pen = if course.pen > 0.0 { within(course.pen, None) } else { dash() };
+            [dash(), pen, dash(), within(course.gap, Some(gap))]
+        }
         Rule::Rests { mean, most } => {
             let (value, text) = cell(overlap.most, overlap.most <= most && overlap.mean <= mean);
             [dash(), (value, format!("{text}, mean {}", rounded(overlap.mean))), dash(), dash()]
