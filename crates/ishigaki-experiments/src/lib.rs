@@ -12,6 +12,8 @@
 //! ```
 
 pub mod chart;
+mod course;
+mod direct;
 mod experiments;
 pub mod index;
 mod lab;

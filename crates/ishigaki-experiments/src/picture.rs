@@ -104,15 +104,19 @@ fn with_ends(layout: Layout, chart: &Chart) -> Layout {
         Content::Curves(series) => {
             let places = series.iter().flat_map(|s| &s.points).map(|p| p.0);
             let ends = places.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
+            // Room for half a mark.
+            let has_marks = series.iter().any(|s| matches!(s.mark, Mark::Dotted | Mark::Points));
             match ends {
                 (low, high) if low >= high => layout,
-                // Room for half a mark at the end.
                 (low, high) if chart.log_x => {
-                    layout.with_x_axis_min(low).with_x_axis_max(high * (high / low).powf(0.02))
+                    let room = (high / low).powf(0.02);
+                    let start = if has_marks { low / room } else { low };
+                    layout.with_x_axis_min(start).with_x_axis_max(high * room)
                 }
                 (low, high) => {
                     let span = high - low;
-                    let start = if (0.0..0.3 * span).contains(&low) { 0.0 } else { low };
+                    let room = if has_marks { 0.01 * span } else { 0.0 };
+                    let start = if (0.0..0.3 * span).contains(&low) { 0.0 } else { low - room };
                     layout.with_x_axis_min(start).with_x_axis_max(high + 0.01 * span)
                 }
             }

@@ -11,13 +11,17 @@ mod dzhanibekov;
 mod euler_vs_angular_momentum;
 mod free_fall;
 mod friction_box_vs_disk;
+mod frontier;
+mod hand_down;
 mod heights;
 mod hinge;
 mod indeterminate;
 mod it_holds;
 mod jacobi_vs_gauss_seidel;
 mod jacobian_check;
+mod joint_tree;
 mod lemke_vs_pgs;
+mod level_correction;
 mod mass_integrals;
 mod momentum;
 mod orthonormalization;
@@ -79,6 +83,10 @@ pub fn list() -> &'static [&'static Experiment] {
         &technique_matrix::EXPERIMENT,
         // Beyond the talk.
         &simbenchmark::EXPERIMENT,
+        &level_correction::EXPERIMENT,
+        &hand_down::EXPERIMENT,
+        &joint_tree::EXPERIMENT,
         &it_holds::EXPERIMENT,
+        &frontier::EXPERIMENT,
     ]
 }

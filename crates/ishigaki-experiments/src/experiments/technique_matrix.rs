@@ -1,8 +1,8 @@
 //! D: every technique switched alone, on scenes that need it.
 
 use crate::chart::Chart;
+use crate::course::rounded;
 use crate::setup::{DT, scene};
-use crate::verdict::short;
 use crate::{Experiment, Lab, Result, Verdict};
 use ishigaki::{FrictionModel, Permutation, SolverOptions, WorldOptions};
 use ishigaki_scenes::Meter;
@@ -93,11 +93,6 @@ fn watch(lab: &Lab<'_>, name: &str, parameters: &[(&str, f64)], switch: Switch, 
     seen.pen = 1e3 * f64::from(meter.measure().pen);
     seen.cost = 1e3 * times[times.len() / 2];
     Ok(seen)
-}
-
-/// What is too small to see is so said.
-fn rounded(value: f64) -> String {
-    if value > 0.0 && value < 1e-3 { "< 0.001".to_string() } else { short(value) }
 }
 
 fn run(lab: &mut Lab<'_>) -> Result<Verdict> {

@@ -3,7 +3,7 @@
 use crate::chart::{Chart, Mark};
 use crate::setup::{DT, G, scene};
 use crate::{Error, Experiment, Lab, Result, Verdict};
-use ishigaki::{ShockPropagation, SolverOptions, WeightAmplification};
+use ishigaki::{ShockPropagation, SolverOptions, WeightAmplification, WorldOptions};
 use ishigaki_scenes::measure::contact_force;
 
 pub const EXPERIMENT: Experiment = Experiment {
@@ -15,12 +15,9 @@ pub const EXPERIMENT: Experiment = Experiment {
 
 const MASS: f32 = 1000.0;
 
-/// The scale's reading over the weight that stands on it, the mean of half a second.
-fn reading(n: usize, solver: SolverOptions, seconds: f64) -> Result<f64> {
-    let mut scene = scene("scale_under_stack", &[("n", n as f64)], |o| {
-        o.solver = solver;
-        o.rest.aggressive_sleep.enabled = false;
-    })?;
+/// The scale's reading over the weight that stands on it, the mean of half a second after so many.
+pub(super) fn reading(n: usize, seconds: f64, change: impl FnOnce(&mut WorldOptions)) -> Result<f64> {
+    let mut scene = scene("scale_under_stack", &[("n", n as f64)], change)?;
     let scale = scene.bodies.iter().find(|(name, _)| name == "scale").map(|(_, handle)| *handle);
     let scale = scale.ok_or_else(|| Error::Missing("the scene has no scale".to_string()))?;
     while scene.world.time() < seconds {
@@ -60,7 +57,11 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         let (mut seen, mut predicted) = (Vec::new(), Vec::new());
         for (i, &n) in sizes.iter().enumerate() {
             lab.progress((k as f64 + i as f64 / sizes.len() as f64) / count, &format!("{name}, {n} boxes"));
-            seen.push((n as f64, reading(n, solver.clone(), seconds)?));
+            let read = reading(n, seconds, |o| {
+                o.solver = solver.clone();
+                o.rest.aggressive_sleep.enabled = false;
+            })?;
+            seen.push((n as f64, read));
             predicted.push((n as f64, law(n as f64)));
         }
         let (Some(last), Some(law)) = (seen.last(), predicted.last()) else { continue };
