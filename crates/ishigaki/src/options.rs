@@ -235,22 +235,18 @@ impl SolverOptions {
 pub struct Jointed {
     /// This many times `substeps`, where jointed bodies touch something or hang in loops.
     pub substeps: u32,
-    /// This many times `sweeps`, where they touch something.
-    pub sweeps: u32,
-    /// This many times `relax_sweeps`, where they touch something.
-    pub relax_sweeps: u32,
     /// Chains and trees that touch nothing: `substeps` divided by this, one at least.
     pub free_divisor: u32,
 }
 
 impl Jointed {
     /// As without joints.
-    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, relax_sweeps: 1, free_divisor: 1 };
+    pub const ALIKE: Self = Self { substeps: 1, free_divisor: 1 };
 }
 
 impl Default for Jointed {
     fn default() -> Self {
-        Self { substeps: 2, sweeps: 2, relax_sweeps: 2, free_divisor: 2 }
+        Self { substeps: 2, free_divisor: 2 }
     }
 }
 
@@ -623,8 +619,6 @@ impl SolverOptions {
         count("sweeps", self.sweeps, 0, 100_000)?;
         count("jointed.substeps", self.jointed.substeps, 1, 100)?;
         count("jointed.free_divisor", self.jointed.free_divisor, 1, 1000)?;
-        count("jointed.sweeps", self.jointed.sweeps, 1, 100)?;
-        count("jointed.relax_sweeps", self.jointed.relax_sweeps, 1, 100)?;
         count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;
         count("restitution.passes", self.restitution.passes, 0, 10_000)?;
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;

@@ -9,7 +9,7 @@ use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
 use crate::constraint::row::RowSpec;
 use crate::math::{Mat3, Vec3};
-use crate::options::{Jointed, Permutation, SolverOptions};
+use crate::options::{Permutation, SolverOptions};
 use crate::solver::block::{self, Block};
 use crate::solver::hand_down::HandDown;
 use crate::solver::joint_recovery::{choose_recovery, is_recovered};
@@ -134,14 +134,12 @@ impl World {
                 && [contact.body_a, contact.body_b].iter().any(|&b| plan.is_jointed[b as usize])
         };
         let touched = any && self.contacts.iter().any(touches);
-        let times = if touched { &solver.jointed } else { &Jointed::ALIKE };
         plan.substeps = match (any, touched || loops) {
             (false, _) => solver.substeps,
             (true, true) => solver.substeps * solver.jointed.substeps,
             (true, false) => (solver.substeps / solver.jointed.free_divisor).max(1),
         };
-        plan.sweeps = solver.sweeps * times.sweeps;
-        plan.relax_sweeps = solver.relax_sweeps * times.relax_sweeps;
+        (plan.sweeps, plan.relax_sweeps) = (solver.sweeps, solver.relax_sweeps);
         plan.share = plan.substeps as f32 / solver.substeps as f32;
     }
 
