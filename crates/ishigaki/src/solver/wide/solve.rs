@@ -125,12 +125,12 @@ impl World {
     /// Takes the islands out of `wanted` that are too dear for level correction, and hands their loads down.
     fn hand_down_dear(&self, batch: &mut Batch, work: &mut HandDown, wanted: &mut [bool], pass: &SweepPass) {
         let g = self.options.gravity.length();
-        for index in 0..wanted.len() {
+        for (index, is_wanted) in wanted.iter_mut().enumerate() {
             let island = batch.islands[index];
-            if !(wanted[index] && level_correction::is_dear(island.manifolds as usize, island.levels as usize)) {
+            if !(*is_wanted && level_correction::is_dear(island.manifolds as usize, island.levels as usize)) {
                 continue;
             }
-            wanted[index] = false;
+            *is_wanted = false;
             let gain = self.hand_down(batch, work, index as u32);
             if hand_down::is_hopeless(gain, island.unrest, island.load * g * pass.h) {
                 batch.outcome.pauses.push(island.first_body);
