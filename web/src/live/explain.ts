@@ -64,6 +64,13 @@ export const EXPLANATIONS: Record<string, Explanation> = {
     without: 'Tall towers lean and fall; a light box under a heavy one gives way.',
     file: 'solver/level_correction.rs',
   },
+  'solver.hand_down': {
+    title: 'Hand-down',
+    idea: 'In a stack too wide for level correction each body hands what it is to be rid of to what it stands on, once from the top to the ground.',
+    equation: 'f = Gᵀ(GGᵀ)⁻¹p',
+    without: 'A pyramid of a hundred rows costs ten times as much to hold, or falls.',
+    file: 'solver/hand_down.rs',
+  },
   'solver.joint_tree': {
     title: 'Joint trees',
     idea: 'All joints of a chain or a ragdoll are solved at once, exactly, at a cost that grows only with their number.',
