@@ -68,7 +68,7 @@ export const EXPLANATIONS: Record<string, Explanation> = {
     title: 'Hand-down',
     idea: 'In a stack too wide for level correction each body hands what it is to be rid of to what it stands on, once from the top to the ground.',
     equation: 'f = Gᵀ(GGᵀ)⁻¹p',
-    without: 'A pyramid of a hundred rows costs ten times as much to hold, or falls.',
+    without: 'A pyramid of a hundred rows costs many times as much to hold, or falls.',
     file: 'solver/hand_down.rs',
   },
   'solver.joint_tree': {
