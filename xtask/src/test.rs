@@ -35,7 +35,7 @@ pub fn run() -> Result<(), String> {
         None => {
             // Miri does not know libm's assembly; its soft floats give the same bits.
             let soft = ["--features", "libm/force-soft-floats"];
-            let miri = [&["miri", "test", "--package", "ishigaki", "--test", "miri_small"][..], &soft].concat();
+            let miri = [&["miri", "test", "--package", "ishigaki-miri", "--test", "small"][..], &soft].concat();
             suite("miri", Some("nightly"), &miri, &[("MIRIFLAGS", "-Zmiri-strict-provenance")]);
         }
         Some(why) => skip(&log, &format!("SKIPPED miri: {why}"))?,
