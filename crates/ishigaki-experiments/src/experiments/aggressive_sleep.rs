@@ -130,9 +130,12 @@ fn run(lab: &mut Lab<'_>) -> Result<Verdict> {
         .at_least("narrow-phase calls saved at rest", "%", 90.0, 100.0 * (1.0 - calls_on / calls_off))
         .at_most("changes of the set of contact ids in the last second", "", 0.0, on.churn)
         .at_most("mean greatest speed at rest over that without", "×", 1.0, speed_on / speed_off)
+        .open("mean greatest speed at rest", "μm/s", 1e6 * speed_on)
+        .open("mean greatest speed at rest without", "μm/s", 1e6 * speed_off)
         .at_most("contacts of the wall: impulses differ by", "% of the greatest", 1.0, 100.0 * f64::from(apart))
         .near("support removed: speed in the next step", "gΔt", 1.0, 0.05, falls()?)
         .near("belt started under it: speed after a second", "m/s", 1.0, 0.02, rides()?)
         .at_most("slope of 28° < 31°: slides", "m", 1e-3, slides(28_f32.to_radians())?)
-        .at_least("slope of 36° > 31°: slides", "m", 0.3, slides(36_f32.to_radians())?))
+        .at_least("slope of 36° > 31°: slides", "m", 0.3, slides(36_f32.to_radians())?)
+        .note("What moves at rest is rounding, with aggressive sleep and without; one substep leaves more of it than four."))
 }

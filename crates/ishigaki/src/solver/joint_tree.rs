@@ -80,6 +80,11 @@ impl Forest {
         }
     }
 
+    /// All joints that hang together are solved at once: none is in a net, or touches something.
+    pub fn is_exact(&self) -> bool {
+        self.trees.iter().all(|tree| !tree.in_net && !tree.is_idle)
+    }
+
     fn plant(&mut self, rows: &[Row], blocks: &[Block], bodies: &[SolverBody]) {
         let mut parents: Vec<u32> = (0..bodies.len() as u32).collect();
         for &(a, b, _) in &self.links {

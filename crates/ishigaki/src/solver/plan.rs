@@ -319,6 +319,14 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     // The last sweep before bodies move ends with the trees: what is between joints then has no gap to grow.
     let trees = plan.forest.trees.iter().enumerate().filter(|(_, t)| !t.is_idle);
     plan.units.extend(trees.map(|(index, _)| Unit::Tree(index as u32)));
+    if plan.forest.is_exact() {
+        // The end of a range sees what forces did to its body only once the joint has passed it on; it is solved with
+        // the joint, so nothing is left between joints after it.
+        let rows = &plan.rows;
+        let is_limit =
+            |unit: &Unit| matches!(*unit, Unit::Row(row) if matches!(rows[row as usize].coupling, Coupling::Limit(_)));
+        plan.units.sort_by_key(is_limit);
+    }
     if options.permutation == Permutation::Alternating && plan.sweeps.is_multiple_of(2) {
         plan.units.reverse();
     }

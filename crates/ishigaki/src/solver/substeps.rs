@@ -90,8 +90,7 @@ impl World {
     fn restore_order(&self, plan: &mut Plan) {
         let alternates = self.options.solver.permutation == Permutation::Alternating;
         let turns = plan.sweeps + plan.relax_sweeps - 1;
-        let is_exact = !plan.joints.is_empty() && plan.forest.trees.iter().all(|t| !t.in_net && !t.is_idle);
-        if alternates && is_exact && !turns.is_multiple_of(2) {
+        if alternates && !plan.joints.is_empty() && plan.forest.is_exact() && !turns.is_multiple_of(2) {
             plan.units.reverse();
         }
     }
