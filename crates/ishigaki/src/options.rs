@@ -130,7 +130,7 @@ pub struct SolverOptions {
     pub sweeps: u32,
     /// Sweeps in each substep after the bodies moved, without recovery: they take its speed out again.
     pub relax_sweeps: u32,
-    /// More substeps and sweeps where there are joints.
+    /// More substeps where jointed bodies touch or hang in loops, fewer where they do neither.
     pub jointed: Jointed,
     /// How overlap is pushed out. TALK D1.
     pub penetration_recovery: PenetrationRecovery,

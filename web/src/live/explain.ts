@@ -77,6 +77,12 @@ export const EXPLANATIONS: Record<string, Explanation> = {
     without: 'Long chains stretch under heavy loads.',
     file: 'solver/joint_tree.rs',
   },
+  'solver.jointed': {
+    title: 'Substeps of joints',
+    idea: 'Joints that touch something or hang in loops take more substeps than the rest of the scene; free trees of joints are solved exactly and take fewer.',
+    without: 'Heaps of ragdolls rest late or leave their ranges.',
+    file: 'solver/plan.rs',
+  },
   'solver.slop': {
     title: 'Slop',
     idea: 'A little overlap is left alone, so that a resting contact stays a contact from step to step.',
