@@ -1,17 +1,9 @@
 //! Hand-down (`solver/hand_down.rs`): a wide stack finds its loads in one pass, in the wide path as in the reference.
 
+mod on_floor;
+
 use ishigaki::{Body, BodyKind, Shape, Vec3, World, WorldOptions};
-
-const DT: f32 = 1.0 / 60.0;
-
-fn world(edit: impl FnOnce(&mut WorldOptions)) -> World {
-    let mut options = WorldOptions::default();
-    options.rest.sleep.enabled = false;
-    edit(&mut options);
-    let mut world = World::new(options).unwrap();
-    world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
-    world
-}
+use on_floor::{DT, world};
 
 /// Boxes of 1 m, each on two others; how many there are.
 fn pyramid(world: &mut World, base: u16) -> f32 {

@@ -1,17 +1,9 @@
 //! The wide path against the readable reference, and against itself with other lanes.
 
+mod on_floor;
+
 use ishigaki::{Body, BodyHandle, Shape, Vec3, World, WorldOptions};
-
-const DT: f32 = 1.0 / 60.0;
-
-fn world(edit: impl FnOnce(&mut WorldOptions)) -> World {
-    let mut options = WorldOptions::default();
-    options.rest.sleep.enabled = false;
-    edit(&mut options);
-    let mut world = World::new(options).unwrap();
-    world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
-    world
-}
+use on_floor::{DT, world};
 
 fn add(world: &mut World, shape: Shape, at: Vec3) -> BodyHandle {
     world.add_body(Body::dynamic(shape).at(at).friction(0.6)).unwrap()

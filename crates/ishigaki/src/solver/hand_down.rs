@@ -10,7 +10,7 @@
 //! between bodies of one height, are left to sweeps.
 //! Source of the least-norm distribution: Moore–Penrose inverse of a full-rank G; of the step length: exact line search
 //! on the quadratic whose minimum is the box LCP.
-//! Option: `solver.hand_down`; proved by the tests here and by `tests/hand_down.rs`.
+//! Option: `solver.hand_down`; proved by `tests/hand_down.rs`.
 
 use crate::body::NO_HEIGHT;
 use crate::collision::manifold::Manifold;
@@ -179,8 +179,8 @@ impl Search {
 
 impl World {
     /// Hands down the momentum of bodies that these manifolds of the reference connect; the energy of the residual
-    /// that it took away, J.
-    pub(crate) fn hand_down_rows(&self, plan: &mut Plan, manifolds: impl Iterator<Item = u32>) -> f32 {
+    /// that it took away, J, and the multiply-adds.
+    pub(crate) fn hand_down_rows(&self, plan: &mut Plan, manifolds: impl Iterator<Item = u32>) -> (f32, u64) {
         let mut work = std::mem::take(&mut plan.hand_down);
         work.clear(plan.bodies.len());
         for name in manifolds {
@@ -189,14 +189,11 @@ impl World {
         for support in &work.supports {
             for body in [support.upper, support.lower] {
                 let of = &plan.bodies[body as usize];
-                if body != 0 && of.inverse_mass != Vec3::ZERO {
-                    let inertia = of.inverse_inertia.inverse();
-                    work.needs[body as usize] =
-                        Wrench { linear: -of.velocity / of.inverse_mass, angular: -(inertia * of.angular_velocity) };
-                }
+                work.needs[body as usize] =
+                    Wrench { linear: -momentum(of), angular: -(of.inertia * of.angular_velocity) };
             }
         }
-        plan.level_correction.work += work.solve();
+        let multiply_adds = work.solve();
         let mut search = Search::default();
         for (push, body) in work.pushes.iter().zip(&plan.bodies) {
             let (v, w) = moved(push, body);
@@ -215,7 +212,7 @@ impl World {
             take(plan, &work, alpha);
         }
         plan.hand_down = work;
-        gain
+        (gain, multiply_adds)
     }
 
     fn support_of_rows(&self, plan: &Plan, name: u32) -> Option<Support> {
@@ -235,6 +232,13 @@ impl World {
         }
         Some(support)
     }
+}
+
+/// m v, N·s; none along locked axes, and none of what forces do not move.
+fn momentum(body: &SolverBody) -> Vec3 {
+    let along = |inverse_mass: f32, velocity: f32| if inverse_mass > 0.0 { velocity / inverse_mass } else { 0.0 };
+    let (m, v) = (body.inverse_mass, body.velocity);
+    Vec3::new(along(m.x, v.x), along(m.y, v.y), along(m.z, v.z))
 }
 
 fn moved(push: &Wrench, body: &SolverBody) -> (Vec3, Vec3) {

@@ -149,11 +149,12 @@ impl World {
             let pauses = self.bodies.at(first).no_correction_until > self.step_count;
             let stands = !pauses && active > 1 && island[0].level == 1 && island[active - 1].level > 1;
             if stands {
+                let scale = island.iter().map(|m| m.load).sum::<f32>() * self.options.gravity.length() * h;
                 let is_dear = is_dear(island.len(), island[active - 1].level as usize);
                 let worth_it = if is_dear && self.options.solver.hand_down.enabled {
-                    self.hand_down_island(plan, &mut work, island, active, h)
+                    self.hand_down_island(plan, &mut work, island, active, scale)
                 } else {
-                    let worth_it = self.correct_island(plan, &mut work, island, active, h);
+                    let worth_it = self.correct_island(plan, &mut work, island, active, scale);
                     work.remember();
                     worth_it
                 };
@@ -166,27 +167,25 @@ impl World {
         plan.level_correction = work;
     }
 
-    /// Hand-down in place of a correction; whether it was worth its work.
+    /// Hand-down in place of a correction; whether it was worth its work. `scale`: Σλ g h of the island, J.
     fn hand_down_island(
         &self,
         plan: &mut Plan,
         work: &mut LevelCorrection,
         all: &mut [Member],
         active: usize,
-        h: f32,
+        scale: f32,
     ) -> bool {
-        let scale = all.iter().map(|m| m.load).sum::<f32>() * self.options.gravity.length() * h;
         let island = &mut all[..active];
         let rows = number_rows(plan, island);
         work.start(plan, island, rows);
         let unrest = work.unrest(plan, island);
         if unrest <= CALM * scale {
-            for member in all.iter() {
-                plan.calm[member.manifold as usize] = true;
-            }
+            mark_calm(plan, all);
             return true;
         }
-        let gain = self.hand_down_rows(plan, all.iter().map(|m| m.manifold));
+        let (gain, multiply_adds) = self.hand_down_rows(plan, all.iter().map(|m| m.manifold));
+        work.work += multiply_adds;
         !hand_down::is_hopeless(gain, unrest, scale)
     }
 
@@ -198,10 +197,9 @@ impl World {
         work: &mut LevelCorrection,
         all: &mut [Member],
         active: usize,
-        h: f32,
+        scale: f32,
     ) -> bool {
         let passes = manifold_block::passes(&self.options.solver.manifold_block).unwrap_or(1);
-        let scale = all.iter().map(|m| m.load).sum::<f32>() * self.options.gravity.length() * h;
         let sweep_work: u64 = all.iter().map(|m| plan.manifold_work(m.manifold, u64::from(passes))).sum();
         let borne: f32 = all
             .iter()
@@ -217,9 +215,7 @@ impl World {
             work.start(plan, island, rows);
             let unrest = work.unrest(plan, island);
             if unrest <= CALM * scale {
-                for member in all.iter() {
-                    plan.calm[member.manifold as usize] = true;
-                }
+                mark_calm(plan, all);
                 break;
             }
             let before = work.work;
@@ -323,6 +319,13 @@ impl World {
         best_gain
     }
     // ANCHOR_END: correct_once
+}
+
+/// One sweep with recovery is enough for these.
+fn mark_calm(plan: &mut Plan, members: &[Member]) {
+    for member in members {
+        plan.calm[member.manifold as usize] = true;
+    }
 }
 
 /// Whether an island is too wide to be corrected: its loads are handed down.

@@ -1,7 +1,7 @@
 //! Rapier behind five C functions: create, step, states, destroy, about.
 
 #[path = "../../../src/scene.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "the other engines use all of the description")]
 mod scene;
 
 use rapier3d::parry::utils::Array2;

@@ -10,9 +10,7 @@
 #![expect(clippy::needless_range_loop, reason = "kernels walk several arrays of points in step")]
 
 use crate::solver::penetration_recovery::Recovery;
-use crate::solver::wide::lanes::{
-    LANES, Lane, Lane3, Record, V3, gather, inverse, load, positive, scatter, splat, store,
-};
+use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, V3, gather, load, positive, scatter, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
@@ -74,6 +72,12 @@ macro_rules! by_size {
         }
     };
 }
+
+mod prepare;
+mod visit;
+
+pub use prepare::{RootInertia, prepare};
+pub use visit::{Unrest, inspect, visit};
 
 /// One point of eight manifolds.
 #[derive(Clone, Copy, Debug)]
@@ -305,119 +309,6 @@ fn tangents<S: Simd>(simd: S, n: V3<S>) -> [V3<S>; 2] {
     [V3 { x: one + sign * n.x * n.x * a, y: sign * b, z: -sign * n.x }, V3 { x: b, y: sign + n.y * n.y * a, z: -n.y }]
 }
 
-/// I^−½ of eight bodies: xx, xy, xz, yy, yz, zz.
-pub type RootInertia = [Lane; 6];
-
-#[inline(always)]
-fn weighted<S: Simd>(simd: S, root: &RootInertia, v: V3<S>) -> V3<S> {
-    let (xx, xy, xz) = (load(simd, &root[0]), load(simd, &root[1]), load(simd, &root[2]));
-    let (yy, yz, zz) = (load(simd, &root[3]), load(simd, &root[4]), load(simd, &root[5]));
-    V3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
-}
-
-/// Of a point: arms on both bodies, and 1 where there is a point, else 0.
-struct Arms<S: Simd> {
-    a: V3<S>,
-    b: V3<S>,
-    kept: f32x8<S>,
-}
-
-impl<S: Simd> Arms<S> {
-    /// J' along an axis.
-    #[inline(always)]
-    fn row(&self, simd: S, axis: V3<S>, roots: &[RootInertia; 2]) -> RowLanes<S> {
-        RowLanes {
-            direction: axis,
-            angular_a: weighted(simd, &roots[0], self.a.cross(axis)).times(self.kept),
-            angular_b: weighted(simd, &roots[1], axis.cross(self.b)).times(self.kept),
-        }
-    }
-}
-
-/// From arms and impulses to rows: a block as it was filled becomes one that can be visited.
-#[inline(always)]
-pub fn prepare<S: Simd>(
-    simd: S,
-    block: &mut ContactBlock,
-    scale: &ScaleLanes,
-    roots: &[RootInertia; 2],
-    counts: &Lane,
-) {
-    by_size!(block.size, N => prepare_points::<S, N>(simd, block, scale, roots, counts))
-}
-
-#[inline(always)]
-fn prepare_points<S: Simd, const N: usize>(
-    simd: S,
-    block: &mut ContactBlock,
-    scale: &ScaleLanes,
-    roots: &[RootInertia; 2],
-    counts: &Lane,
-) {
-    let n = V3::load(simd, &block.normal);
-    let t = tangents(simd, n);
-    let masses = Masses::of(simd, block, scale);
-    let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
-    let counts = load(simd, counts);
-    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
-    for i in 0..N {
-        let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
-        let exists = counts.simd_gt(splat(simd, i as f32));
-        let kept = exists.select(splat(simd, 1.0), zero);
-        let (arm_a, arm_b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
-        let s = load(simd, &p.separation);
-        // Arms to the middle of the gap, as in `constraint/contact.rs`.
-        let (length_a, length_b) = (arm_a.dot(arm_a).sqrt(), arm_b.dot(arm_b).sqrt());
-        let shorter = length_a.simd_lt(length_b).select(length_a, length_b);
-        let from_afar = s.simd_gt(splat(simd, 0.1) * shorter);
-        let shift = n.times(from_afar.select(zero, half * s));
-        let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
-        let arms = Arms { a: arm_a, b: arm_b, kept };
-
-        let normal = arms.row(simd, n, roots);
-        let k = normal.inner(&normal, &masses);
-        let effective_mass = exists.select(inverse(simd, k), zero);
-        normal.angular_a.store(&mut p.angular_a);
-        normal.angular_b.store(&mut p.angular_b);
-        store(k, &mut p.k);
-        store(effective_mass, &mut p.effective_mass);
-        store(zero, &mut p.total);
-        normals[i] = normal;
-
-        let impulse = V3::load(simd, &disk.angular_a[0]);
-        let tangent = [arms.row(simd, t[0], roots), arms.row(simd, t[1], roots)];
-        for k in 0..2 {
-            store(impulse.dot(t[k]), &mut disk.lambda[k]);
-            tangent[k].angular_a.store(&mut disk.angular_a[k]);
-            tangent[k].angular_b.store(&mut disk.angular_b[k]);
-        }
-        prepare_disk(simd, disk, &tangent, &masses, kept);
-    }
-    for i in 0..N {
-        for j in i + 1..N {
-            store(normals[i].inner(&normals[j], &masses), &mut block.coupling[pair(i, j)]);
-        }
-    }
-}
-
-/// The inverse of the 2 × 2 system of a disk, and the step that does not overshoot, as `reference.rs` has them.
-#[inline(always)]
-fn prepare_disk<S: Simd>(simd: S, disk: &mut DiskLanes, rows: &[RowLanes<S>; 2], m: &Masses<S>, exists: f32x8<S>) {
-    let (k1, k2) = (rows[0].inner(&rows[0], m), rows[1].inner(&rows[1], m));
-    let c = rows[0].inner(&rows[1], m);
-    let (m1, m2) = (exists * inverse(simd, k1), exists * inverse(simd, k2));
-    let determinant = splat(simd, 1.0) - c * c * m1 * m2;
-    let well = determinant.simd_gt(splat(simd, 1e-3));
-    let share = well.select(inverse(simd, determinant), splat(simd, 1.0));
-    store(m1 * share, &mut disk.inverse[0]);
-    store(well.select(-(c * m1 * m2 * share), splat(simd, 0.0)), &mut disk.inverse[1]);
-    store(-(c * m1 * m2 * share), &mut disk.inverse[2]);
-    store(m2 * share, &mut disk.inverse[3]);
-    let half = splat(simd, 0.5) * (k1 - k2);
-    let greatest = splat(simd, 0.5) * (k1 + k2) + (half * half + c * c).sqrt();
-    store(exists * inverse(simd, greatest), &mut disk.step);
-}
-
 /// u' += J'ᵀλ for all impulses of a block.
 #[inline(always)]
 pub fn warm_start<S: Simd>(simd: S, block: &ContactBlock, scale: &ScaleLanes, velocities: &mut [Record]) {
@@ -494,173 +385,6 @@ fn measure_points<S: Simd, const RELAX: bool, const LAST: bool, const N: usize>(
             store(s, &mut p.separation);
         }
     }
-}
-
-/// One visit to eight manifolds.
-#[inline(always)]
-pub fn visit<S: Simd>(
-    simd: S,
-    block: &mut ContactBlock,
-    scale: &ScaleLanes,
-    velocities: &mut [Record],
-    pass: &SweepPass,
-) {
-    by_size!(block.size, N => visit_points::<S, N>(simd, block, scale, velocities, pass))
-}
-
-#[inline(always)]
-fn visit_points<S: Simd, const N: usize>(
-    simd: S,
-    block: &mut ContactBlock,
-    scale: &ScaleLanes,
-    velocities: &mut [Record],
-    pass: &SweepPass,
-) {
-    let masses = Masses::of(simd, block, scale);
-    let n = V3::load(simd, &block.normal);
-    let mut sides = Sides::gather(simd, velocities, block);
-    visit_normals::<S, N>(simd, block, n, &masses, &mut sides, pass.passes);
-    let t = tangents(simd, n);
-    let mu = load(simd, &block.friction);
-    for i in 0..N {
-        let reach = mu * positive(simd, load(simd, &block.points[i].lambda));
-        visit_disk(simd, &mut block.disks[i], t, reach, &masses, &mut sides);
-    }
-    sides.scatter(simd, velocities, block);
-}
-
-/// Gauss–Seidel on the normals alone: the bodies are read once and pushed once.
-#[inline(always)]
-fn visit_normals<S: Simd, const N: usize>(
-    simd: S,
-    block: &mut ContactBlock,
-    n: V3<S>,
-    masses: &Masses<S>,
-    sides: &mut Sides<S>,
-    passes: u32,
-) {
-    let zero = splat(simd, 0.0);
-    let relative = sides.relative(masses.root_a, masses.root_b);
-    let along = n.dot(relative);
-    let (mut w, mut lambda) = ([zero; N], [zero; N]);
-    for i in 0..N {
-        let p = &block.points[i];
-        let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
-        w[i] = along + a.dot(sides.angular_a) + b.dot(sides.angular_b) + load(simd, &p.bias);
-        lambda[i] = load(simd, &p.lambda);
-    }
-    for _ in 0..passes {
-        for i in 0..N {
-            let next = positive(simd, lambda[i] - w[i] * load(simd, &block.points[i].effective_mass));
-            let change = next - lambda[i];
-            lambda[i] = next;
-            for j in 0..N {
-                let k = if i == j {
-                    &block.points[i].k
-                } else {
-                    &block.coupling[pair(if i < j { i } else { j }, if i < j { j } else { i })]
-                };
-                w[j] += load(simd, k) * change;
-            }
-        }
-    }
-    let mut sum = zero;
-    for i in 0..N {
-        let p = &mut block.points[i];
-        let change = lambda[i] - load(simd, &p.lambda);
-        store(lambda[i], &mut p.lambda);
-        sum += change;
-        let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
-        sides.angular_a = sides.angular_a.plus(a.times(change * masses.inertia_a));
-        sides.angular_b = sides.angular_b.plus(b.times(change * masses.inertia_b));
-    }
-    sides.linear_a = sides.linear_a.plus(n.times(sum * masses.push_a));
-    sides.linear_b = sides.linear_b.minus(n.times(sum * masses.push_b));
-}
-
-/// Sticks if the disk holds it, else slides: `reference.rs`, `solve_disk`.
-#[inline(always)]
-fn visit_disk<S: Simd>(
-    simd: S,
-    disk: &mut DiskLanes,
-    t: [V3<S>; 2],
-    reach: f32x8<S>,
-    masses: &Masses<S>,
-    sides: &mut Sides<S>,
-) {
-    let relative = sides.relative(masses.root_a, masses.root_b);
-    let rows = [
-        row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0]),
-        row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1]),
-    ];
-    let w = [rows[0].velocity(relative, sides), rows[1].velocity(relative, sides)];
-    let (i11, i12) = (load(simd, &disk.inverse[0]), load(simd, &disk.inverse[1]));
-    let (i21, i22) = (load(simd, &disk.inverse[2]), load(simd, &disk.inverse[3]));
-    let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
-    let stick = [old[0] - (i11 * w[0] + i12 * w[1]), old[1] - (i21 * w[0] + i22 * w[1])];
-    let step = load(simd, &disk.step);
-    let slide = [old[0] - step * w[0], old[1] - step * w[1]];
-    let length = (slide[0] * slide[0] + slide[1] * slide[1]).sqrt();
-    let outside = length.simd_gt(reach);
-    let one = splat(simd, 1.0);
-    let shrink = outside.select(reach / outside.select(length, one), one);
-    let slips = (stick[0] * stick[0] + stick[1] * stick[1]).simd_gt(reach * reach);
-    for k in 0..2 {
-        let new = slips.select(slide[k] * shrink, stick[k]);
-        let change = new - old[k];
-        store(new, &mut disk.lambda[k]);
-        rows[k].push(change, masses, sides);
-    }
-}
-
-/// How far a block is from rest: what visits to each row alone would do.
-#[derive(Clone, Copy)]
-pub struct Unrest<S: Simd> {
-    /// Greatest change of an impulse, ‖λ − clip(λ − w·m_eff)‖∞, N·s.
-    pub residual: f32x8<S>,
-    /// Energy that the changes would take, ½ Σ |Δλ w|, J.
-    pub energy: f32x8<S>,
-}
-
-/// Looks at a block without a visit.
-#[inline(always)]
-pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
-    by_size!(block.size, N => inspect_points::<S, N>(simd, block, velocities))
-}
-
-#[inline(always)]
-fn inspect_points<S: Simd, const N: usize>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
-    let n = V3::load(simd, &block.normal);
-    let t = tangents(simd, n);
-    let sides = Sides::gather(simd, velocities, block);
-    let relative = sides.relative(load(simd, &block.root_a), load(simd, &block.root_b));
-    let mu = load(simd, &block.friction);
-    let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
-    let mut unrest = Unrest { residual: zero, energy: zero };
-    for (p, disk) in block.points[..N].iter().zip(&block.disks) {
-        let lambda = load(simd, &p.lambda);
-        let row = row_of(simd, n, &p.angular_a, &p.angular_b);
-        let w = row.velocity(relative, &sides) + load(simd, &p.bias);
-        let change = positive(simd, lambda - w * load(simd, &p.effective_mass)) - lambda;
-        let reach = mu * positive(simd, lambda);
-        let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
-        let step = load(simd, &disk.step);
-        let rows = [
-            row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0]),
-            row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1]),
-        ];
-        let v = [rows[0].velocity(relative, &sides), rows[1].velocity(relative, &sides)];
-        let wanted = [old[0] - step * v[0], old[1] - step * v[1]];
-        let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
-        let outside = length.simd_gt(reach);
-        let shrink = outside.select(reach / outside.select(length, one), one);
-        let slip = [shrink * wanted[0] - old[0], shrink * wanted[1] - old[1]];
-        let greatest = positive(simd, change.abs() - unrest.residual) + unrest.residual;
-        let sliding = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
-        unrest.residual = positive(simd, sliding - greatest) + greatest;
-        unrest.energy += half * ((change * w).abs() + (slip[0] * v[0] + slip[1] * v[1]).abs());
-    }
-    unrest
 }
 
 /// Adds λ to the sums over the substeps.

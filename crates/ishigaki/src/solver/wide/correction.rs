@@ -49,6 +49,7 @@ impl World {
             let state = self.bodies.at(mover.slot);
             body.inverse_mass = state.inverse_mass_by_axis();
             body.inverse_inertia = state.inverse_inertia_world();
+            body.inertia = state.inertia_world();
             body.height = state.height;
         }
         let model = self.options.solver.friction;

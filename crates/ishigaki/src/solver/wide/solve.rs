@@ -55,6 +55,7 @@ impl World {
             warm: solver.warm_start.enabled,
         };
         let mut order = Order::for_sweeps(sweeps);
+        let sweep_work = batch.sweep_work(u64::from(pass.passes));
         let is_free = batch.blocks.is_empty();
         aid.manifolds.clear();
         for substep in 0..substeps {
@@ -92,7 +93,7 @@ impl World {
             if !pass.warm {
                 batch.forget();
             }
-            batch.outcome.work += u64::from(sweeps + relax_sweeps) * batch.sweep_work(u64::from(pass.passes));
+            batch.outcome.work += u64::from(sweeps + relax_sweeps) * sweep_work;
         }
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
     }

@@ -1,0 +1,119 @@
+//! From arms and impulses to the rows of a block.
+
+use super::{ContactBlock, DiskLanes, Masses, POINTS, RowLanes, ScaleLanes, Size, pair, tangents};
+use crate::solver::wide::lanes::{Lane, V3, inverse, load, splat, store};
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
+/// I^−½ of eight bodies: xx, xy, xz, yy, yz, zz.
+pub type RootInertia = [Lane; 6];
+
+#[inline(always)]
+fn weighted<S: Simd>(simd: S, root: &RootInertia, v: V3<S>) -> V3<S> {
+    let (xx, xy, xz) = (load(simd, &root[0]), load(simd, &root[1]), load(simd, &root[2]));
+    let (yy, yz, zz) = (load(simd, &root[3]), load(simd, &root[4]), load(simd, &root[5]));
+    V3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
+}
+
+/// Of a point: arms on both bodies, and 1 where there is a point, else 0.
+struct Arms<S: Simd> {
+    a: V3<S>,
+    b: V3<S>,
+    kept: f32x8<S>,
+}
+
+impl<S: Simd> Arms<S> {
+    /// J' along an axis.
+    #[inline(always)]
+    fn row(&self, simd: S, axis: V3<S>, roots: &[RootInertia; 2]) -> RowLanes<S> {
+        RowLanes {
+            direction: axis,
+            angular_a: weighted(simd, &roots[0], self.a.cross(axis)).times(self.kept),
+            angular_b: weighted(simd, &roots[1], axis.cross(self.b)).times(self.kept),
+        }
+    }
+}
+
+/// From arms and impulses to rows: a block as it was filled becomes one that can be visited.
+#[inline(always)]
+pub fn prepare<S: Simd>(
+    simd: S,
+    block: &mut ContactBlock,
+    scale: &ScaleLanes,
+    roots: &[RootInertia; 2],
+    counts: &Lane,
+) {
+    by_size!(block.size, N => prepare_points::<S, N>(simd, block, scale, roots, counts))
+}
+
+#[inline(always)]
+fn prepare_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &mut ContactBlock,
+    scale: &ScaleLanes,
+    roots: &[RootInertia; 2],
+    counts: &Lane,
+) {
+    let n = V3::load(simd, &block.normal);
+    let t = tangents(simd, n);
+    let masses = Masses::of(simd, block, scale);
+    let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
+    let counts = load(simd, counts);
+    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
+    for i in 0..N {
+        let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
+        let exists = counts.simd_gt(splat(simd, i as f32));
+        let kept = exists.select(splat(simd, 1.0), zero);
+        let (arm_a, arm_b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
+        let s = load(simd, &p.separation);
+        // Arms to the middle of the gap, as in `constraint/contact.rs`.
+        let (length_a, length_b) = (arm_a.dot(arm_a).sqrt(), arm_b.dot(arm_b).sqrt());
+        let shorter = length_a.simd_lt(length_b).select(length_a, length_b);
+        let from_afar = s.simd_gt(splat(simd, 0.1) * shorter);
+        let shift = n.times(from_afar.select(zero, half * s));
+        let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
+        let arms = Arms { a: arm_a, b: arm_b, kept };
+
+        let normal = arms.row(simd, n, roots);
+        let k = normal.inner(&normal, &masses);
+        let effective_mass = exists.select(inverse(simd, k), zero);
+        normal.angular_a.store(&mut p.angular_a);
+        normal.angular_b.store(&mut p.angular_b);
+        store(k, &mut p.k);
+        store(effective_mass, &mut p.effective_mass);
+        store(zero, &mut p.total);
+        normals[i] = normal;
+
+        let impulse = V3::load(simd, &disk.angular_a[0]);
+        let tangent = [arms.row(simd, t[0], roots), arms.row(simd, t[1], roots)];
+        for k in 0..2 {
+            store(impulse.dot(t[k]), &mut disk.lambda[k]);
+            tangent[k].angular_a.store(&mut disk.angular_a[k]);
+            tangent[k].angular_b.store(&mut disk.angular_b[k]);
+        }
+        prepare_disk(simd, disk, &tangent, &masses, kept);
+    }
+    for i in 0..N {
+        for j in i + 1..N {
+            store(normals[i].inner(&normals[j], &masses), &mut block.coupling[pair(i, j)]);
+        }
+    }
+}
+
+/// The inverse of the 2 × 2 system of a disk, and the step that does not overshoot, as `reference.rs` has them.
+#[inline(always)]
+fn prepare_disk<S: Simd>(simd: S, disk: &mut DiskLanes, rows: &[RowLanes<S>; 2], m: &Masses<S>, exists: f32x8<S>) {
+    let (k1, k2) = (rows[0].inner(&rows[0], m), rows[1].inner(&rows[1], m));
+    let c = rows[0].inner(&rows[1], m);
+    let (m1, m2) = (exists * inverse(simd, k1), exists * inverse(simd, k2));
+    let determinant = splat(simd, 1.0) - c * c * m1 * m2;
+    let well = determinant.simd_gt(splat(simd, 1e-3));
+    let share = well.select(inverse(simd, determinant), splat(simd, 1.0));
+    store(m1 * share, &mut disk.inverse[0]);
+    store(well.select(-(c * m1 * m2 * share), splat(simd, 0.0)), &mut disk.inverse[1]);
+    store(-(c * m1 * m2 * share), &mut disk.inverse[2]);
+    store(m2 * share, &mut disk.inverse[3]);
+    let half = splat(simd, 0.5) * (k1 - k2);
+    let greatest = splat(simd, 0.5) * (k1 + k2) + (half * half + c * c).sqrt();
+    store(exists * inverse(simd, greatest), &mut disk.step);
+}
