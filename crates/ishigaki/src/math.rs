@@ -88,6 +88,9 @@ pub fn skew(v: Vec3) -> Mat3 {
 
 /// `R diag(d) Rᵀ`: a symmetric matrix from its eigenvalues and the rotation of its eigenvectors.
 pub fn rotated_diagonal(rotation: Quat, diagonal: Vec3) -> Mat3 {
+    if diagonal.x == diagonal.y && diagonal.y == diagonal.z {
+        return Mat3::from_diagonal(diagonal);
+    }
     let r = Mat3::from_quat(rotation);
     let scaled = Mat3::from_cols(r.x_axis * diagonal.x, r.y_axis * diagonal.y, r.z_axis * diagonal.z);
     scaled * r.transpose()

@@ -1,11 +1,12 @@
 //! The same bits on any number of threads.
 #![cfg(feature = "threads")]
 
-use ishigaki::{Body, Shape, Vec3, World};
+use ishigaki::{Body, Joint, Shape, Vec3, World};
 
 const DT: f32 = 1.0 / 60.0;
 
-/// Towers, a wall that is hit, and a heap of balls and boxes: many islands, one of them wide.
+/// Towers, a wall that is hit, a heap of balls and boxes, and limbs that fall apart from each other: many islands, one of
+/// them wide.
 fn scene(world: &mut World) {
     world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
     let mut add = |shape: Shape, at: Vec3, velocity: Vec3| {
@@ -28,6 +29,12 @@ fn scene(world: &mut World) {
     for i in 0..200_u16 {
         let at = Vec3::new(f32::from(i % 5) * 1.1, 1.0 + f32::from(i / 25), 20.0 + 1.1 * f32::from(i / 5 % 5));
         add(if i % 2 == 0 { Shape::ball(half) } else { Shape::cuboid(0.4, 0.4, 0.4) }, at, Vec3::ZERO);
+    }
+    for i in 0..400_u16 {
+        let at = Vec3::new(-3.0 * f32::from(i % 20), 0.6, 3.0 * f32::from(i / 20));
+        let limb = |at: Vec3| Body::dynamic(Shape::capsule(0.3, 0.2)).at(at);
+        let (upper, lower) = (world.add_body(limb(at + Vec3::Y)).unwrap(), world.add_body(limb(at)).unwrap());
+        world.add_joint(Joint::ball_about(upper, lower, at + 0.5 * Vec3::Y, Vec3::Y).cone(0.5)).unwrap();
     }
 }
 

@@ -2,8 +2,9 @@
 
 mod on_floor;
 
-use ishigaki::{Body, BodyHandle, Shape, Vec3, World, WorldOptions};
+use ishigaki::{Body, BodyHandle, Joint, JointKind, Quat, Shape, Vec3, World, WorldOptions};
 use on_floor::{DT, world};
+use std::f32::consts::FRAC_PI_2;
 
 fn add(world: &mut World, shape: Shape, at: Vec3) -> BodyHandle {
     world.add_body(Body::dynamic(shape).at(at).friction(0.6)).unwrap()
@@ -40,6 +41,44 @@ fn hit(world: &mut World) {
     }
     let slider = add(world, Shape::cuboid(0.2, 0.2, 0.2), Vec3::new(-2.0, 0.2, 0.05));
     world.body_mut(slider).unwrap().set_velocity(Vec3::new(6.0, 0.0, 0.0)).unwrap();
+}
+
+/// Four limbs in a row that fall onto the floor: joints alone, or with all that a ball joint may have.
+fn limbs(world: &mut World, edit: impl Fn(Joint) -> Joint) {
+    for row in 0..3_u16 {
+        let mut last = None;
+        for i in 0..4_u16 {
+            let at = Vec3::new(0.6 * f32::from(i), 0.4 + 0.3 * f32::from(row), 0.05 * f32::from(row));
+            let limb = Body::dynamic(Shape::capsule(0.2, 0.1)).at(at).rotated(Quat::from_rotation_z(FRAC_PI_2));
+            let limb = world.add_body(limb.friction(0.6)).unwrap();
+            if let Some(last) = last {
+                let joint = Joint::ball_about(last, limb, at - Vec3::X * 0.3, Vec3::X);
+                world.add_joint(edit(joint)).unwrap();
+            }
+            last = Some(limb);
+        }
+    }
+}
+
+/// A net of balls that hangs on one side and swings.
+fn net(world: &mut World) {
+    let mut balls: Vec<BodyHandle> = Vec::new();
+    for i in 0..36_u16 {
+        let (x, z) = (i % 6, i / 6);
+        let at = Vec3::new(0.5 * f32::from(x), 9.0, 0.5 * f32::from(z));
+        let body = if x == 0 { Body::fixed(Shape::ball(0.1)) } else { Body::dynamic(Shape::ball(0.1)) };
+        let ball = world.add_body(body.at(at)).unwrap();
+        let mut tie = |other: BodyHandle, from: Vec3| {
+            world.add_joint(Joint::ball(other, ball, at - 0.25 * from)).unwrap();
+        };
+        if x > 0 {
+            tie(balls[usize::from(i) - 1], Vec3::X);
+        }
+        if z > 0 && x > 0 {
+            tie(balls[usize::from(i) - 6], Vec3::Z);
+        }
+        balls.push(ball);
+    }
 }
 
 /// One step of both from 50 states along a run of the wide path: greatest difference of velocities, relative to
@@ -96,6 +135,46 @@ fn one_step_is_that_of_the_reference() {
     }
 }
 
+#[test]
+fn joints_move_as_in_the_reference() {
+    let parts: [(&str, fn(&mut World)); 7] = [
+        ("net", net),
+        ("limbs", |w| limbs(w, |j| j)),
+        ("cones", |w| limbs(w, |j| j.cone(0.1))),
+        ("twists", |w| limbs(w, |j| j.limit(-0.1..=0.05))),
+        ("friction", |w| limbs(w, |j| j.dry_friction(0.4))),
+        ("damping", |w| limbs(w, damped)),
+        ("all", |w| limbs(w, |j| damped(j.cone(0.2).limit(-0.1..=0.2).dry_friction(0.1)))),
+    ];
+    let plain = |o: &mut WorldOptions| {
+        o.solver.level_correction.enabled = false;
+        // The reference solves trees, and trees within nets, at once.
+        o.solver.joint_tree.enabled = false;
+    };
+    for (name, fill) in parts {
+        let worst = disagreement(fill, plain);
+        eprintln!("{name}: {worst:.1e}");
+        assert!(worst < 1e-4, "{name}: {worst}");
+    }
+    for (technique, edit) in techniques() {
+        let worst = disagreement(parts[6].1, |o| {
+            plain(o);
+            edit(o);
+        });
+        eprintln!("all, {technique}: {worst:.1e}");
+        assert!(worst < 1e-4, "{technique}: {worst}");
+    }
+}
+
+/// A ball joint with damping, which only its kind can say.
+fn damped(joint: Joint) -> Joint {
+    let mut joint = joint;
+    if let JointKind::Ball { damping, .. } = &mut joint.kind {
+        *damping = 0.2;
+    }
+    joint
+}
+
 type Scene = (&'static str, fn(&mut World));
 type Technique = (&'static str, fn(&mut WorldOptions));
 
@@ -117,6 +196,8 @@ fn lanes_do_not_change_a_bit() {
     let hash = |narrow: bool| {
         let mut world = world(|o| o.solver.wide.narrow = narrow);
         heap(&mut world);
+        limbs(&mut world, |j| damped(j.cone(0.3).limit(-0.1..=0.2).dry_friction(0.1)));
+        net(&mut world);
         (0..150).for_each(|_| drop(world.step(DT)));
         assert!(world.report().wide_rows > 0);
         world.state_hash()
@@ -153,4 +234,22 @@ fn what_the_wide_path_cannot_do_stays_with_the_reference() {
     assert_eq!(rows(|o| o.solver.wide.enabled = false, |b| b), (0, 24));
     assert_eq!(rows(|o| o.solver.shock_propagation.enabled = true, |b| b), (0, 24));
     assert_eq!(rows(|o| o.solver.permutation = ishigaki::Permutation::PerSweep, |b| b), (0, 24));
+}
+
+#[test]
+fn joints_that_the_lanes_do_not_know_stay_with_the_reference() {
+    let wide_rows = |edit: fn(&mut WorldOptions), tie: fn(Joint) -> Joint, height: f32| {
+        let mut world = world(edit);
+        let [a, b] = [0.0, 1.2].map(|x| add(&mut world, Shape::cuboid(0.5, 0.5, 0.5), Vec3::new(x, height, 0.0)));
+        world.add_joint(tie(Joint::ball(a, b, Vec3::new(0.6, height, 0.0)))).unwrap();
+        let report = world.step(DT);
+        (report.wide_rows, report.rows)
+    };
+    let ball = |j: Joint| j;
+    let hinge = |j: Joint| Joint::hinge(j.body_a, j.body_b, Vec3::new(0.6, 0.5, 0.0), Vec3::Z);
+    assert_eq!(wide_rows(|_| (), ball, 0.5), (27, 27));
+    assert_eq!(wide_rows(|_| (), hinge, 0.5), (0, 29), "a hinge");
+    assert_eq!(wide_rows(|_| (), |j| j.cone(0.0), 0.5), (0, 29), "an axis in common");
+    assert_eq!(wide_rows(|_| (), ball, 5.0), (0, 3), "a free tree is solved at once");
+    assert_eq!(wide_rows(|o| o.solver.joint_tree.enabled = false, ball, 5.0), (3, 3));
 }

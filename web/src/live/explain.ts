@@ -78,9 +78,9 @@ export const EXPLANATIONS: Record<string, Explanation> = {
     file: 'solver/joint_tree.rs',
   },
   'solver.jointed': {
-    title: 'Substeps of joints',
-    idea: 'Joints that touch something or hang in loops take more substeps than the rest of the scene; free trees of joints are solved exactly and take fewer.',
-    without: 'Heaps of ragdolls rest late or leave their ranges.',
+    title: 'Substeps and sweeps of joints',
+    idea: 'Ball joints that touch something or hang in loops are swept more often than the rest of the scene, hinges and the like in more substeps; free trees of joints are solved exactly and take fewer.',
+    without: 'Ragdolls come apart a little when they fall onto each other.',
     file: 'solver/plan.rs',
   },
   'solver.slop': {

@@ -52,6 +52,12 @@ impl Spin {
         self.rotation * self.principal_frame
     }
 
+    /// Every axis is a principal one, as of balls and cubes: L is parallel to ω.
+    pub fn is_isotropic(&self) -> bool {
+        let inverse = self.inverse_principal_inertia;
+        inverse.x == inverse.y && inverse.y == inverse.z
+    }
+
     /// I v, world: L from ω.
     pub fn inertia_times(&self, v: Vec3) -> Vec3 {
         let axes = self.world_from_principal();
@@ -60,6 +66,9 @@ impl Spin {
 
     /// I⁻¹ v, world: ω from L.
     pub fn inverse_inertia_times(&self, v: Vec3) -> Vec3 {
+        if self.is_isotropic() {
+            return v * self.inverse_principal_inertia.x;
+        }
         let axes = self.world_from_principal();
         axes * (self.inverse_principal_inertia * (axes.conjugate() * v))
     }

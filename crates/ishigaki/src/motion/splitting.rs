@@ -16,8 +16,8 @@ use crate::math::{Quat, Vec3};
 /// Turns a free body over `h` seconds; L stays, ω follows.
 pub fn advance(spin: &mut Spin, h: f32) {
     let inverse = spin.inverse_principal_inertia;
-    if inverse.x == inverse.y && inverse.y == inverse.z {
-        // Every axis is a principal one: ω is constant and parallel to L.
+    if spin.is_isotropic() {
+        // ω is constant.
         spin.angular_velocity = spin.angular_momentum * inverse.x;
         spin.rotation = turned(spin.rotation, spin.angular_velocity, h);
         return;

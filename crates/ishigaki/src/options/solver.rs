@@ -15,7 +15,7 @@ pub struct SolverOptions {
     pub sweeps: u32,
     /// Sweeps in each substep after the bodies moved, without recovery: they take its speed out again.
     pub relax_sweeps: u32,
-    /// More substeps where jointed bodies touch or hang in loops, fewer where they do neither.
+    /// More sweeps or substeps where jointed bodies touch or hang in loops, fewer where they do neither.
     pub jointed: Jointed,
     /// How overlap is pushed out. TALK D1.
     pub penetration_recovery: PenetrationRecovery,
@@ -112,26 +112,30 @@ impl SolverOptions {
     }
 }
 
-/// What the reference solver does more, or less, while joints are at work. Heaps of jointed bodies come to rest late,
-/// or never, at the few substeps that stacks stand at; what touches nothing is solved almost exactly by its tree.
+/// What the solver does more, or less, while joints are at work. Joints that are solved one by one, in turn with contacts,
+/// open at impacts and at ends of ranges at the few sweeps that stacks stand at; what touches nothing is solved almost
+/// exactly by its tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Jointed {
-    /// This many times `substeps`, where jointed bodies touch something or hang in loops.
+    /// This many times `substeps`, where bodies of other than ball joints touch something or hang in loops: rows of hinges
+    /// are worse conditioned, and those of a closed linkage say the same twice.
     pub substeps: u32,
+    /// This many times `sweeps`, where bodies of ball joints do.
+    pub sweeps: u32,
     /// Chains and trees that touch nothing: `substeps` divided by this, one at least.
     pub free_divisor: u32,
 }
 
 impl Jointed {
     /// As without joints.
-    pub const ALIKE: Self = Self { substeps: 1, free_divisor: 1 };
+    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, free_divisor: 1 };
 }
 
 impl Default for Jointed {
     fn default() -> Self {
-        Self { substeps: 2, free_divisor: 2 }
+        Self { substeps: 2, sweeps: 2, free_divisor: 2 }
     }
 }
 
@@ -393,6 +397,7 @@ impl SolverOptions {
         count("substeps", self.substeps, 1, 1000)?;
         count("sweeps", self.sweeps, 0, 100_000)?;
         count("jointed.substeps", self.jointed.substeps, 1, 100)?;
+        count("jointed.sweeps", self.jointed.sweeps, 1, 100)?;
         count("jointed.free_divisor", self.jointed.free_divisor, 1, 1000)?;
         count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;
         count("restitution.passes", self.restitution.passes, 0, 10_000)?;

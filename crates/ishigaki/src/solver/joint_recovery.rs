@@ -17,6 +17,7 @@ use crate::math::Vec3;
 use crate::motion;
 use crate::solver::plan::Plan;
 use crate::solver::reference::{Unit, visit};
+use crate::solver::table::SolverBody;
 use crate::world::World;
 
 impl World {
@@ -32,14 +33,13 @@ impl World {
         for body in &mut plan.bodies {
             (body.velocity, body.angular_velocity) = (Vec3::ZERO, Vec3::ZERO);
         }
-        let count = plan.units.len();
-        for k in (0..count).chain((0..count).rev()) {
+        for k in 0..plan.units.len() {
             let unit = plan.units[k];
             if is_recovered(unit, plan) {
                 visit(unit, plan, 1);
             }
         }
-        self.report.work += 2 * plan.recovery_work;
+        self.report.work += plan.recovery_work;
         for (row, &lambda) in plan.rows.iter_mut().zip(&lambdas) {
             row.lambda = lambda;
         }
@@ -64,15 +64,23 @@ impl World {
 /// Marks the rows of joints that recover by poses: of what touches something or is joined to what does, of nets, and, where
 /// trees are off, of chains.
 pub fn choose_recovery(plan: &mut Plan, trees: bool) {
-    let is_swept = |body: u32| {
-        let body = &plan.bodies[body as usize];
-        body.touched || body.in_idle_tree || body.in_net || (body.shares_joints && !trees)
-    };
+    let is_swept =
+        |body: &SolverBody| body.touched || body.in_idle_tree || body.in_net || (body.shares_joints && !trees);
     let joint_rows = plan.joint_rows();
-    for row in &mut plan.rows[..joint_rows] {
-        row.by_pose = is_swept(row.body_a) || is_swept(row.body_b);
+    plan.joints_are_exact = true;
+    for index in 0..joint_rows {
+        let ends = (plan.rows[index].body_a, plan.rows[index].body_b);
+        let by_pose = is_swept(&plan.bodies[ends.0 as usize]) || is_swept(&plan.bodies[ends.1 as usize]);
+        let row = &mut plan.rows[index];
+        row.by_pose = by_pose;
         if row.by_pose {
+            plan.joints_are_exact = false;
             row.bias = row.relax_bias + row.arc;
+            for body in [row.body_a, row.body_b] {
+                let body = &mut plan.bodies[body as usize];
+                // Trees of a net are solved at once, with stiffness that is taken from the inertia anew.
+                body.keeps_rows = !body.in_net;
+            }
         }
     }
 }

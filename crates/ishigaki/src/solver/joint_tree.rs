@@ -80,11 +80,6 @@ impl Forest {
         }
     }
 
-    /// All joints that hang together are solved at once: none is in a net, or touches something.
-    pub fn is_exact(&self) -> bool {
-        self.trees.iter().all(|tree| !tree.in_net && !tree.is_idle)
-    }
-
     fn plant(&mut self, rows: &[Row], blocks: &[Block], bodies: &[SolverBody]) {
         let mut parents: Vec<u32> = (0..bodies.len() as u32).collect();
         for &(a, b, _) in &self.links {
@@ -295,7 +290,7 @@ pub fn stiffen(rows: &[Row], blocks: &[Block], h: f32, bodies: &mut [SolverBody]
     for block in blocks {
         let rows = &rows[block.first as usize..][..block.count as usize];
         // Solved one by one they need none, and heaps come to rest sooner without.
-        if bodies[rows[0].body_a as usize].in_idle_tree || bodies[rows[0].body_b as usize].in_idle_tree {
+        if bodies[rows[0].body_a as usize].keeps_rows || bodies[rows[0].body_b as usize].keeps_rows {
             continue;
         }
         let impulse: Vec3 = rows.iter().map(|r| r.lambda * r.jacobian.linear).sum();

@@ -18,7 +18,7 @@ use crate::solver::level_correction::LevelCorrection;
 use crate::solver::manifold_block::{self, ManifoldBlock};
 use crate::solver::reference::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
-use crate::solver::wide::Wide;
+use crate::solver::wide::{Wide, joints};
 use crate::solver::{shock_propagation, weight_amplification, work};
 use crate::union_find::{root, unite};
 use crate::world::World;
@@ -51,6 +51,8 @@ pub struct Plan {
     pub blocks: Vec<Block>,
     /// Joints that are solved at once.
     pub forest: Forest,
+    /// All joints are solved at once with those that they hang together with: none touches something or is in a net.
+    pub joints_are_exact: bool,
     /// Manifolds whose rows are visited as one.
     pub manifold_blocks: Vec<ManifoldBlock>,
     /// Where the rows of each manifold are.
@@ -110,13 +112,22 @@ pub struct JointRows {
     pub count: u32,
 }
 
+/// What there is of joints in the reference.
+struct Jointed {
+    any: bool,
+    /// They close loops, over the ground or not.
+    loops: bool,
+    /// All of them are ball joints.
+    all_balls: bool,
+}
+
 impl World {
     /// Stage `build_rows`.
     pub(crate) fn build_rows(&mut self, plan: &mut Plan, dt: f32) {
-        self.count_substeps(plan);
         let mut wide = std::mem::take(&mut plan.wide);
         self.build_batches(&mut wide, dt);
         plan.wide = wide;
+        self.count_substeps(plan);
         self.collect_bodies(plan);
         plan.rows.clear();
         self.add_joint_rows(plan, dt);
@@ -127,38 +138,40 @@ impl World {
     /// do neither.
     fn count_substeps(&self, plan: &mut Plan) {
         let solver = &self.options.solver;
-        let (any, loops) = self.find_jointed(plan);
+        let found = self.find_jointed(plan);
         let touches = |contact: &Contact| {
             !contact.sensor
                 && !contact.manifolds.is_empty()
                 && [contact.body_a, contact.body_b].iter().any(|&b| plan.is_jointed[b as usize])
         };
-        let touched = any && self.contacts.iter().any(touches);
-        plan.substeps = match (any, touched || loops) {
-            (false, _) => solver.substeps,
-            (true, true) => solver.substeps * solver.jointed.substeps,
-            (true, false) => (solver.substeps / solver.jointed.free_divisor).max(1),
-        };
-        (plan.sweeps, plan.relax_sweeps) = (solver.sweeps, solver.relax_sweeps);
+        let is_swept = found.any && (found.loops || self.contacts.iter().any(touches));
+        (plan.substeps, plan.sweeps, plan.relax_sweeps) = (solver.substeps, solver.sweeps, solver.relax_sweeps);
+        match (found.any, is_swept) {
+            (false, _) => {}
+            (true, true) if found.all_balls => plan.sweeps *= solver.jointed.sweeps,
+            (true, true) => plan.substeps *= solver.jointed.substeps,
+            (true, false) => plan.substeps = (solver.substeps / solver.jointed.free_divisor).max(1),
+        }
         plan.share = plan.substeps as f32 / solver.substeps as f32;
     }
 
-    /// Marks active bodies with joints; whether there are any, and whether joints close loops, over the ground or not.
-    fn find_jointed(&self, plan: &mut Plan) -> (bool, bool) {
+    /// Marks active bodies with joints, and looks at these.
+    fn find_jointed(&self, plan: &mut Plan) -> Jointed {
         let slots = self.bodies.slot_count();
         plan.is_jointed.clear();
         plan.is_jointed.resize(slots, false);
         plan.joint_parents.clear();
         // Whatever does not move is one: the number after the last slot.
         plan.joint_parents.extend(0..=slots as u32);
-        let (mut any, mut loops) = (false, false);
+        let mut found = Jointed { any: false, loops: false, all_balls: true };
         for (_, joint) in self.joints.iter() {
             let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
             let is_active = ends.map(|slot| self.bodies.at(slot).is_active());
-            if is_active == [false, false] {
+            if is_active == [false, false] || ends.iter().any(|&slot| plan.wide.takes(slot)) {
                 continue;
             }
-            any = true;
+            found.any = true;
+            found.all_balls &= joints::fits(&joint.definition);
             let mut roots = [slots as u32; 2];
             for ((root_of, slot), active) in roots.iter_mut().zip(ends).zip(is_active) {
                 plan.is_jointed[slot as usize] |= active;
@@ -167,10 +180,10 @@ impl World {
                 }
                 *root_of = root(&mut plan.joint_parents, *root_of);
             }
-            loops |= roots[0] == roots[1];
+            found.loops |= roots[0] == roots[1];
             unite(&mut plan.joint_parents, roots[0], roots[1]);
         }
-        (any, loops)
+        found
     }
 
     fn collect_bodies(&mut self, plan: &mut Plan) {
@@ -206,7 +219,9 @@ impl World {
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (body_a, body_b) = (plan.index_of[a as usize], plan.index_of[b as usize]);
             let (a, b) = (self.bodies.at(a), self.bodies.at(b));
-            if !(a.is_active() || b.is_active()) || a.broken || b.broken {
+            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
+            let is_wide = ends.iter().any(|&slot| plan.wide.takes(slot));
+            if is_wide || !(a.is_active() || b.is_active()) || a.broken || b.broken {
                 continue;
             }
             plan.specs.clear();
@@ -319,7 +334,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     // The last sweep before bodies move ends with the trees: what is between joints then has no gap to grow.
     let trees = plan.forest.trees.iter().enumerate().filter(|(_, t)| !t.is_idle);
     plan.units.extend(trees.map(|(index, _)| Unit::Tree(index as u32)));
-    if plan.forest.is_exact() {
+    if plan.joints_are_exact {
         // The end of a range sees what forces did to its body only once the joint has passed it on; it is solved with
         // the joint, so nothing is left between joints after it.
         let rows = &plan.rows;

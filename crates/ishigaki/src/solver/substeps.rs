@@ -57,6 +57,7 @@ impl World {
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
         if !plan.joints.is_empty() {
+            self.report.work += self.weigh_turned(plan);
             self.turn_joint_rows(plan, h);
             self.report.work += factor_joints(plan);
             self.recover_joints(plan, h);
@@ -90,34 +91,51 @@ impl World {
     fn restore_order(&self, plan: &mut Plan) {
         let alternates = self.options.solver.permutation == Permutation::Alternating;
         let turns = plan.sweeps + plan.relax_sweeps - 1;
-        if alternates && !plan.joints.is_empty() && plan.forest.is_exact() && !turns.is_multiple_of(2) {
+        if alternates && !plan.joints.is_empty() && plan.joints_are_exact && !turns.is_multiple_of(2) {
             plan.units.reverse();
         }
     }
 
-    /// Anchors, axes and errors of joints for the poses as they are; impulses stay.
+    /// Anchors, axes and errors of joints for the poses as they are; impulses stay. What recovers by poses keeps the rows
+    /// from before that: it moved no farther than its errors.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
         self.for_joint_rows(plan, h, |row, spec, _| {
+            if row.by_pose && spec.softness == 0.0 {
+                row.bias = row.relax_bias + 2.0 * row.arc;
+                return;
+            }
             let fresh = Row::of_joint(spec, row.body_a, row.body_b, row.lambda);
-            let bias = if row.by_pose { fresh.relax_bias + fresh.arc } else { fresh.bias };
             let (total_lambda, coupling, by_pose) = (row.total_lambda, row.coupling, row.by_pose);
-            *row = Row { total_lambda, coupling, by_pose, bias, ..fresh };
+            *row = Row { total_lambda, coupling, by_pose, ..fresh };
         });
+    }
+
+    /// Inertia after the motion of bodies that keep their rows for the next substep, and masses of their contacts.
+    /// Multiply-adds of that.
+    fn weigh_turned(&self, plan: &mut Plan) -> u64 {
+        for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
+            body.turned = body.keeps_rows && self.bodies.at(slot).is_dynamic();
+            if body.turned {
+                weigh(body, self.bodies.at(slot));
+            }
+        }
+        refresh_contact_masses(plan, false)
     }
 
     /// Jacobians of hard joint rows at the poses after the motion, with the bias of what recovers there. Velocities must
     /// end along what the joint allows *there*: along the directions before the motion, the next substep would take the
     /// difference out as a loss. Soft rows stay: their bias is an implicit equation about the whole substep.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
-        self.collect_frames(plan, BodyState::frame_without_gyration);
+        self.collect_frames(plan, BodyState::frame);
         self.for_joint_rows(plan, h, |row, spec, bodies| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
                 let recovery = if row.by_pose { spec.bias - spec.arc } else { spec.relax_bias };
-                (row.bias, row.relax_bias) = (recovery, spec.relax_bias);
-                row.refresh_mass(bodies);
+                row.arc = if row.by_pose { spec.arc } else { 0.0 };
+                (row.bias, row.relax_bias) = (recovery, spec.relax_bias - row.arc);
             }
+            row.refresh_mass(bodies);
         });
     }
 
@@ -171,11 +189,9 @@ impl World {
             body.velocity = state.velocity;
             body.angular_velocity = state.angular_velocity;
             // Contacts keep Jacobians and masses over the step; joints have theirs anew.
-            body.turned = first || body.jointed;
+            body.turned = first || (body.jointed && !body.keeps_rows);
             if body.turned {
-                body.inverse_inertia = state.inverse_inertia_world();
-                body.inertia = state.inertia_world();
-                body.turn_of_inertia = body.turn;
+                weigh(body, state);
             }
         }
     }
@@ -480,11 +496,22 @@ const FAR_TURN: f32 = 0.1;
 /// M⁻¹Jᵀ and effective masses of the rows of all bodies that turned, for the inertia as it is.
 /// Multiply-adds of that.
 fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
-    let mut work = plan.joint_work;
     let joint_rows = plan.joint_rows();
     for row in &mut plan.rows[..joint_rows] {
         row.refresh_mass(&plan.bodies);
     }
+    for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
+        block.factor(&plan.rows);
+    }
+    for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
+        tree.factor(&plan.rows, &plan.blocks);
+    }
+    plan.joint_work + refresh_contact_masses(plan, all)
+}
+
+/// The same for contacts alone.
+fn refresh_contact_masses(plan: &mut Plan, all: bool) -> u64 {
+    let mut work = 0;
     for (index, m) in plan.manifolds.iter().enumerate() {
         let rows = &mut plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
         let turned = |body: u32| plan.bodies[body as usize].turned;
@@ -503,13 +530,14 @@ fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
             work += n * (n + 1) / 2 * work::INNER;
         }
     }
-    for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
-        block.factor(&plan.rows);
-    }
-    for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
-        tree.factor(&plan.rows, &plan.blocks);
-    }
     work
+}
+
+/// Takes the inertia of a body as it is turned.
+fn weigh(body: &mut SolverBody, state: &BodyState) {
+    body.inverse_inertia = state.inverse_inertia_world();
+    body.inertia = state.inertia_world();
+    body.turn_of_inertia = body.turn;
 }
 
 /// Factors of joints whose rows have turned; multiply-adds of rows and factors.

@@ -26,6 +26,8 @@ pub struct SolverBody {
     pub turned: bool,
     /// It has joints.
     pub jointed: bool,
+    /// Its joints recover by poses: their rows and its inertia after the motion are those of the next substep too.
+    pub keeps_rows: bool,
     /// It has contacts.
     pub touched: bool,
     /// Its joints are solved one by one, since it or what it is joined to touches something.
@@ -60,6 +62,7 @@ impl SolverBody {
         forced_spin: Vec3::ZERO,
         turned: false,
         jointed: false,
+        keeps_rows: false,
         touched: false,
         in_idle_tree: false,
         in_net: false,

@@ -21,6 +21,17 @@ pub const fn wide_visit(count: u64, passes: u64) -> u64 {
     normals + count * disk
 }
 
+/// A visit to the point of a ball joint in the wide path: the linear part of its rows is a unit vector each.
+pub const POINT: u64 = 2 * (3 + 9) + 9 + 2 * (3 + 9);
+/// A visit there to a row of a joint that turns its bodies only.
+pub const TURN_VISIT: u64 = 6 + 6 + 2;
+/// What a point leaves free of such a row.
+pub const FREE_PART: u64 = 3 * 6 + 9 + 3;
+/// Rows of a point at a pose: arms, J', K and its factors, arcs.
+pub const POINT_ROWS: u64 = 2 * 15 + 2 * 18 + 6 * 6 + 10 + 2 * 18;
+/// Rows of twist and cone: frames, angles, J'.
+pub const RANGE_ROWS: u64 = 2 * 16 + 2 * 15 + 16 + 20 + 2 * 24;
+
 /// Visits to every row in the budget.
 pub const BUDGET_VISITS: u64 = 12;
 

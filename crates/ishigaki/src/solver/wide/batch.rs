@@ -9,10 +9,13 @@ use crate::collision::manifold::{Contact, ContactPoint, Manifold};
 use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::options::{FrictionModel, SolverOptions, WorldOptions};
-use crate::solver::weight_amplification;
-use crate::solver::wide::contact_block::{ContactBlock, RootInertia, ScaleLanes, Size, prepare};
+use crate::solver::penetration_recovery::Recovery;
+use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, prepare};
+use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::Mover;
+use crate::solver::{slop, weight_amplification};
+use crate::world::JointState;
 use fearless_simd::{Level, dispatch};
 
 /// Colors that are told apart; what finds none of them free gets a block of its own.
@@ -103,6 +106,8 @@ pub struct Batch {
     pub blocks: Vec<ContactBlock>,
     /// Of each block where masses are amplified; else one for all.
     pub scales: Vec<ScaleLanes>,
+    /// Joints.
+    pub joints: Joints,
     /// Islands.
     pub islands: Vec<IslandState>,
     /// Of each block and lane: energy that visits to its rows would take, J.
@@ -112,7 +117,10 @@ pub struct Batch {
     used_colors: Vec<u64>,
     /// By color and size: first how many manifolds, then the first block.
     counts_of: Vec<[u32; Size::ALL.len()]>,
-    roots: Vec<[RootInertia; 2]>,
+    /// I^−½ of the ground and of all movers: xx, xy, xz, 0, yy, yz, zz, 0.
+    pub roots: Vec<Record>,
+    /// I^½ as it was before bodies turned.
+    pub old_roots: Vec<Record>,
     counts: Vec<Lane>,
 }
 
@@ -121,6 +129,8 @@ pub struct Batch {
 pub(crate) struct Source<'a> {
     /// All contacts.
     pub contacts: &'a [Contact],
+    /// All joints.
+    pub joints: &'a Arena<JointState>,
     /// All bodies.
     pub bodies: &'a Arena<BodyState>,
     /// Of the world.
@@ -143,6 +153,7 @@ impl Batch {
     pub fn clear(&mut self) {
         self.movers.clear();
         self.places.clear();
+        self.joints.clear();
         self.islands.clear();
     }
 
@@ -161,24 +172,31 @@ impl Batch {
             let speed = CALM_SPEED * rest.linear_speed * source.options.length_scale.sqrt();
             body.rest_steps >= rest.steps && body.height != NO_HEIGHT && body.velocity.length_squared() <= speed * speed
         };
-        let full = source.options.solver.substeps;
-        self.substeps = if rest.enabled && self.movers.iter().all(|m| rests(m.slot)) { 1 } else { full };
-        let source = &Source { warm_scale: source.warm_scale * (full / self.substeps) as f32, ..*source };
+        let solver = &source.options.solver;
+        let full = solver.substeps;
+        let at_rest = rest.enabled && self.joints.is_empty() && self.movers.iter().all(|m| rests(m.slot));
+        self.substeps = if at_rest { 1 } else { full };
+        let source = &Source { warm_scale: source.warm_scale * full as f32 / self.substeps as f32, ..*source };
+        self.joints.build(&self.movers, source.joints, source.dt / self.substeps as f32, source.warm_scale);
         let ground = Record::default();
         for records in [&mut self.velocities, &mut self.before, &mut self.carried, &mut self.displacements] {
             records.clear();
             records.resize(self.movers.len() + 1, ground);
         }
+        self.roots.clear();
+        self.roots.push(ground);
+        self.roots.extend(self.movers.iter().map(Mover::inverse_root_record));
         self.color(source.contacts);
         self.fill(source);
         let masses_are_true = !source.options.solver.weight_amplification.enabled;
-        if source.options.solver.wide.seed && source.options.solver.warm_start.enabled && masses_are_true {
+        let seeds = source.options.solver.wide.seed && source.options.solver.warm_start.enabled;
+        if seeds && masses_are_true && self.joints.is_empty() {
             self.seed(source, source.dt / self.substeps as f32);
         }
         dispatch!(level, simd => {
             for (k, block) in self.blocks.iter_mut().enumerate() {
                 let scale = &self.scales[k.min(self.scales.len() - 1)];
-                prepare(simd, block, scale, &self.roots[k], &self.counts[k]);
+                prepare(simd, block, scale, &self.roots, &self.counts[k]);
             }
         });
     }
@@ -224,7 +242,6 @@ impl Batch {
                 let blocks = count.div_ceil(LANES as u32) as usize;
                 if self.blocks.len() < first + blocks {
                     self.blocks.resize(first + blocks, ContactBlock::EMPTY);
-                    self.roots.resize(first + blocks, [[[0.0; LANES]; 6]; 2]);
                     self.counts.resize(first + blocks, [0.0; LANES]);
                 }
                 for block in &mut self.blocks[first..first + blocks] {
@@ -233,7 +250,6 @@ impl Batch {
                 if !count.is_multiple_of(LANES as u32) {
                     let last = first + blocks - 1;
                     self.blocks[last] = ContactBlock { size, ..ContactBlock::EMPTY };
-                    self.roots[last] = [[[0.0; LANES]; 6]; 2];
                     self.counts[last] = [0.0; LANES];
                 }
                 *count = first as u32;
@@ -241,15 +257,17 @@ impl Batch {
             }
         }
         self.blocks.truncate(first);
-        self.roots.truncate(first);
         self.counts.truncate(first);
     }
 
     fn fill(&mut self, source: &Source<'_>) {
         let solver = &source.options.solver;
         self.scales.clear();
-        self.scales.resize(if solver.weight_amplification.enabled { self.blocks.len() } else { 1 }, ScaleLanes::ONE);
+        let own_scales = if solver.weight_amplification.enabled { self.blocks.len() } else { 0 };
+        self.scales.resize(own_scales.max(1), ScaleLanes::ONE);
         self.rows = 0;
+        let scale = source.options.length_scale;
+        let recovery = Recovery::new(&solver.penetration_recovery, slop::depth(&solver.slop, scale), scale);
         for p in 0..self.places.len() {
             let place = self.places[p];
             let contact = &source.contacts[place.contact as usize];
@@ -258,6 +276,8 @@ impl Batch {
             let friction = if solver.friction == FrictionModel::Off { 0.0 } else { contact.friction };
             self.rows += manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 };
             self.fill_manifold(block, lane, friction, manifold, source.warm_scale);
+            let bears = solver.warm_start.enabled && !place.bodies.iter().any(|&b| self.joints.has(b));
+            self.blocks[block].deadband[lane] = if bears { recovery.deadband } else { 0.0 };
             self.fill_bodies(block, lane, place.bodies);
             if solver.weight_amplification.enabled {
                 self.amplify(block, lane, contact, source.bodies, solver);
@@ -289,10 +309,6 @@ impl Batch {
             let mover = (body as usize).checked_sub(1).map(|i| &self.movers[i]);
             let root = if side == 0 { &mut rows.root_a } else { &mut rows.root_b };
             root[lane] = mover.map_or(0.0, |m| m.inverse_root_mass);
-            let inertia = mover.map_or([0.0; 6], |m| m.inverse_root_inertia);
-            for (lanes, value) in self.roots[block][side].iter_mut().zip(inertia) {
-                lanes[lane] = value;
-            }
         }
     }
 

@@ -10,7 +10,7 @@
 #![expect(clippy::needless_range_loop, reason = "kernels walk several arrays of points in step")]
 
 use crate::solver::penetration_recovery::Recovery;
-use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, V3, gather, load, positive, scatter, splat, store};
+use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, Sides, V3, load, positive, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
@@ -76,7 +76,7 @@ macro_rules! by_size {
 mod prepare;
 mod visit;
 
-pub use prepare::{RootInertia, prepare};
+pub use prepare::{prepare, reweigh};
 pub use visit::{Unrest, inspect, visit};
 
 /// One point of eight manifolds.
@@ -145,6 +145,8 @@ pub struct ContactBlock {
     pub root_b: Lane,
     /// Coulomb's μ.
     pub friction: Lane,
+    /// Gap that does not switch support off, m: none between bodies with joints.
+    pub deadband: Lane,
     /// Points that the fullest of the eight has: 1, 2 or 4; beyond them nothing is read.
     pub size: Size,
     /// J'J'ᵀ of points 01, 02, 03, 12, 13, 23.
@@ -164,6 +166,7 @@ impl ContactBlock {
         root_a: ZERO,
         root_b: ZERO,
         friction: ZERO,
+        deadband: ZERO,
         size: Size::Four,
         coupling: [ZERO; 6],
         points: [PointLanes {
@@ -195,7 +198,7 @@ pub struct SweepPass {
     pub h: f32,
     /// Passes over the normals of a manifold.
     pub passes: u32,
-    /// Impulses are carried over: a gap within the deadband does not switch support off.
+    /// Impulses are carried over.
     pub warm: bool,
 }
 
@@ -208,35 +211,6 @@ const fn pair(i: usize, j: usize) -> usize {
         (1, 2) => 3,
         (1, 3) => 4,
         _ => 5,
-    }
-}
-
-/// The eight velocities (or displacements) of both sides.
-struct Sides<S: Simd> {
-    linear_a: V3<S>,
-    angular_a: V3<S>,
-    linear_b: V3<S>,
-    angular_b: V3<S>,
-}
-
-impl<S: Simd> Sides<S> {
-    #[inline(always)]
-    fn gather(simd: S, records: &[Record], block: &ContactBlock) -> Self {
-        let (linear_a, angular_a) = gather(simd, records, &block.body_a);
-        let (linear_b, angular_b) = gather(simd, records, &block.body_b);
-        Self { linear_a, angular_a, linear_b, angular_b }
-    }
-
-    #[inline(always)]
-    fn scatter(self, simd: S, records: &mut [Record], block: &ContactBlock) {
-        scatter(simd, records, &block.body_a, self.linear_a, self.angular_a);
-        scatter(simd, records, &block.body_b, self.linear_b, self.angular_b);
-    }
-
-    /// v_A − v_B from the mass-weighted.
-    #[inline(always)]
-    fn relative(&self, root_a: f32x8<S>, root_b: f32x8<S>) -> V3<S> {
-        self.linear_a.times(root_a).minus(self.linear_b.times(root_b))
     }
 }
 
@@ -325,7 +299,7 @@ fn warm_start_points<S: Simd, const N: usize>(
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
     let t = tangents(simd, n);
-    let mut sides = Sides::gather(simd, velocities, block);
+    let mut sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
     for i in 0..N {
         let (p, disk) = (&block.points[i], &block.disks[i]);
         row_of(simd, n, &p.angular_a, &p.angular_b).push(load(simd, &p.lambda), &masses, &mut sides);
@@ -334,7 +308,7 @@ fn warm_start_points<S: Simd, const N: usize>(
             row_of(simd, t[k], &disk.angular_a[k], &disk.angular_b[k]).push(lambda, &masses, &mut sides);
         }
     }
-    sides.scatter(simd, velocities, block);
+    sides.scatter(simd, velocities, &block.body_a, &block.body_b);
 }
 
 #[inline(always)]
@@ -362,14 +336,13 @@ fn measure_points<S: Simd, const RELAX: bool, const LAST: bool, const N: usize>(
     pass: &SweepPass,
 ) {
     let n = V3::load(simd, &block.normal);
-    let moved = Sides::gather(simd, displacements, block);
+    let moved = Sides::gather(simd, displacements, &block.body_a, &block.body_b);
     let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
     let zero = splat(simd, 0.0);
-    let h = splat(simd, pass.h);
+    let (h, deadband) = (splat(simd, pass.h), load(simd, &block.deadband));
     for p in &mut block.points[..N] {
         let row = row_of(simd, n, &p.angular_a, &p.angular_b);
         let s = load(simd, &p.separation) + row.velocity(relative, &moved);
-        let deadband = splat(simd, if pass.warm { pass.recovery.deadband } else { 0.0 });
         let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
         let gap = positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h;
         let overlap = if RELAX {

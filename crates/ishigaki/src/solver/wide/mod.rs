@@ -9,6 +9,8 @@ pub mod batch;
 pub mod contact_block;
 mod correction;
 mod handing;
+pub mod joint_block;
+pub mod joints;
 pub mod lanes;
 pub mod mover;
 mod seed;
@@ -38,6 +40,10 @@ pub struct Wide {
     parents: Vec<u32>,
     unfit: Vec<bool>,
     sizes: Vec<u32>,
+    jointed: Vec<bool>,
+    loops: Vec<bool>,
+    joined: Vec<(u32, u32)>,
+    joint_parents: Vec<u32>,
     batch_of_island: Vec<u32>,
     local_island: Vec<u32>,
     /// Rows of islands whose loads are corrected, as the reference has them, and arrays for it: one for each thread.
@@ -58,6 +64,10 @@ impl Default for Wide {
             parents: Vec::new(),
             unfit: Vec::new(),
             sizes: Vec::new(),
+            jointed: Vec::new(),
+            loops: Vec::new(),
+            joined: Vec::new(),
+            joint_parents: Vec::new(),
             batch_of_island: Vec::new(),
             local_island: Vec::new(),
             aids: Vec::new(),
@@ -66,12 +76,14 @@ impl Default for Wide {
 }
 
 impl Wide {
-    fn start_batch(&mut self) {
+    /// Its number.
+    fn start_batch(&mut self) -> u32 {
         if self.used == self.batches.len() {
             self.batches.push(Batch::default());
         }
         self.batches[self.used].clear();
         self.used += 1;
+        self.used as u32 - 1
     }
 
     /// Whether a body is solved here.

@@ -3,7 +3,7 @@
 //! The state is (v, L, pose), as in the reference; solver impulses change L by exactly I^½Δu'.
 
 use crate::body::BodyState;
-use crate::math::{Mat3, Vec3, rotated_diagonal};
+use crate::math::{Mat3, Quat, Vec3, rotated_diagonal};
 use crate::motion::{self, Spin, forces};
 use crate::options::MotionOptions;
 use crate::solver::wide::lanes::Record;
@@ -45,20 +45,16 @@ impl Mover {
     /// An active dynamic body without locked axes.
     pub fn new(slot: u32, body: &BodyState, gravity: Vec3) -> Self {
         let spin = body.spin();
-        let axes = spin.world_from_principal();
-        let root = |v: Vec3| Vec3::new(v.x.sqrt(), v.y.sqrt(), v.z.sqrt());
-        let inverse_root = rotated_diagonal(axes, root(spin.inverse_principal_inertia));
-        let root_inertia = rotated_diagonal(axes, root(spin.principal_inertia));
+        let (root_inertia, inverse_root_inertia) = roots_of(&spin);
         let inverse_mass = body.inverse_mass;
         let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { 0.0 };
-        let [x, y, z] = [inverse_root.x_axis, inverse_root.y_axis, inverse_root.z_axis];
         Self {
             slot,
             inverse_mass,
             root_mass: mass.sqrt(),
             inverse_root_mass: inverse_mass.sqrt(),
             root_inertia,
-            inverse_root_inertia: [x.x, y.x, z.x, y.y, z.y, z.z],
+            inverse_root_inertia,
             spin,
             velocity: body.velocity,
             center: body.center,
@@ -67,6 +63,55 @@ impl Mover {
             acceleration: gravity * body.gravity_scale,
             damping: [body.linear_damping, body.angular_damping],
         }
+    }
+
+    /// Center of mass, m.
+    pub fn center(&self) -> Vec3 {
+        self.center
+    }
+
+    /// `world_from_body`.
+    pub fn rotation(&self) -> Quat {
+        self.spin.rotation
+    }
+
+    /// ω, rad/s.
+    pub fn angular_velocity(&self) -> Vec3 {
+        self.spin.angular_velocity
+    }
+
+    /// R, L and ω.
+    pub fn spin(&self) -> &Spin {
+        &self.spin
+    }
+
+    /// I^−½ as a record: xx, xy, xz, 0, yy, yz, zz, 0.
+    pub fn inverse_root_record(&self) -> Record {
+        let [xx, xy, xz, yy, yz, zz] = self.inverse_root_inertia;
+        Record([xx, xy, xz, 0.0, yy, yz, zz, 0.0])
+    }
+
+    /// I^½ as a record.
+    pub fn root_record(&self) -> Record {
+        let [x, y, z] = [self.root_inertia.x_axis, self.root_inertia.y_axis, self.root_inertia.z_axis];
+        Record([x.x, y.x, z.x, 0.0, y.y, z.y, z.z, 0.0])
+    }
+
+    /// Takes I^½ and I^−½ for the rotation as it is; the way of the step so far is weighted by them.
+    pub fn weigh(&mut self, displacement: &mut Record) {
+        if self.spin.is_isotropic() {
+            return;
+        }
+        let (way, turn) = self.velocities(displacement);
+        (self.root_inertia, self.inverse_root_inertia) = roots_of(&self.spin);
+        *displacement = self.weighted(way, turn);
+    }
+
+    /// Puts the body somewhere else; L stays, ω follows.
+    pub fn put(&mut self, center: Vec3, rotation: Quat) {
+        self.center = center;
+        self.spin.rotation = rotation;
+        self.spin.angular_velocity = self.spin.inverse_inertia_times(self.spin.angular_momentum);
     }
 
     /// u' = (m^½ v, I^½ ω).
@@ -158,4 +203,13 @@ impl Mover {
         body.angular_momentum = self.spin.angular_momentum;
         body.angular_velocity = self.spin.angular_velocity;
     }
+}
+
+/// I^½ and I^−½ in world.
+fn roots_of(spin: &Spin) -> (Mat3, [f32; 6]) {
+    let axes = spin.world_from_principal();
+    let root = |v: Vec3| Vec3::new(v.x.sqrt(), v.y.sqrt(), v.z.sqrt());
+    let inverse = rotated_diagonal(axes, root(spin.inverse_principal_inertia));
+    let [x, y, z] = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
+    (rotated_diagonal(axes, root(spin.principal_inertia)), [x.x, y.x, z.x, y.y, z.y, z.z])
 }

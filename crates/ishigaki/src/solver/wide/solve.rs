@@ -1,6 +1,6 @@
 //! All substeps of a batch: forces, sweeps with recovery, motion, relax sweeps; then back into the world.
 //!
-//! The order of things is that of `substeps.rs`. A batch in which all bodies rest (`rest.aggressive_sleep`) takes the
+//! The order of things is that of `substeps.rs`, and of `joint_recovery.rs` for joints. A batch in which all bodies rest (`rest.aggressive_sleep`) takes the
 //! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
 
 use crate::math::Vec3;
@@ -13,6 +13,7 @@ use crate::solver::slop;
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{Batch, Outcome};
 use crate::solver::wide::contact_block::{self as kernel, SweepPass};
+use crate::solver::wide::joint_block::JointPass;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::MotionLimits;
 use crate::solver::work;
@@ -34,8 +35,8 @@ impl World {
             lock().push(aid);
         });
         wide.aids = aids.into_inner().unwrap_or_else(PoisonError::into_inner);
-        for batch in &batches[..wide.used] {
-            self.store_batch(batch);
+        for batch in &mut batches[..wide.used] {
+            self.store_batch(batch, dt);
         }
         wide.batches = batches;
     }
@@ -45,7 +46,8 @@ impl World {
         let solver = &self.options.solver;
         let (substeps, relax_sweeps, solver_substeps) = (batch.substeps, solver.relax_sweeps, solver.substeps);
         // One substep has the sweeps of all.
-        let sweeps = solver.sweeps * solver.substeps / substeps;
+        let of_joints = if batch.joints.is_empty() { 1 } else { solver.jointed.sweeps };
+        let sweeps = solver.sweeps * of_joints * (solver.substeps / substeps).max(1);
         let h = dt / substeps as f32;
         let scale = self.options.length_scale;
         let pass = SweepPass {
@@ -56,14 +58,16 @@ impl World {
         };
         let mut order = Order::for_sweeps(sweeps);
         let sweep_work = batch.sweep_work(u64::from(pass.passes));
-        let is_free = batch.blocks.is_empty();
+        let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
         aid.manifolds.clear();
+        batch.aim_joints(level, h);
         for substep in 0..substeps {
             let is_last = substep + 1 == substeps;
+            let velocity = JointPass::velocity(h);
             batch.begin(h);
             let mut sweeps = sweeps;
             if !is_free {
-                if substep == 0 {
+                if substep == 0 || batch.pushes_anew() {
                     batch.warm_start(level);
                 }
                 batch.measure(level, &pass);
@@ -74,18 +78,19 @@ impl World {
                 }
                 for sweep in 0..sweeps {
                     order.before(sweep);
-                    batch.sweep(level, &pass, order.reversed);
+                    batch.sweep(level, &pass, &velocity, order.reversed);
                 }
                 if is_last && self.options.report.residual {
-                    batch.outcome.residual = batch.residual(level);
+                    batch.outcome.residual = batch.residual(level, &velocity);
                 }
             }
             self.move_batch(batch, h);
             if !is_free {
+                self.recover_batch_joints(level, batch, order.reversed, h);
                 batch.relax(level, &pass, is_last);
                 for sweep in 0..relax_sweeps {
                     order.before(sweeps + sweep);
-                    batch.sweep(level, &pass, order.reversed);
+                    batch.sweep(level, &pass, &JointPass::relax(h), order.reversed);
                 }
                 batch.add_up(level);
             }
@@ -95,6 +100,7 @@ impl World {
             }
             batch.outcome.work += u64::from(sweeps + relax_sweeps) * sweep_work;
         }
+        batch.see_joints(level);
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
     }
 
@@ -110,7 +116,8 @@ impl World {
             let pauses = island.first_body == u32::MAX
                 || self.bodies.at(island.first_body).no_correction_until > self.step_count
                 || batch.outcome.pauses.contains(&island.first_body);
-            wanted.push(!is_calm && !pauses && island.levels > 1);
+            // Loads that hang on joints are not seen by corrections of contacts.
+            wanted.push(!is_calm && !pauses && island.levels > 1 && batch.joints.is_empty());
         }
         if self.options.solver.hand_down.enabled && self.corrects_levels() {
             self.hand_down_dear(batch, &mut aid.hand_down, &mut wanted, pass);
@@ -151,7 +158,27 @@ impl World {
         }
     }
 
-    fn store_batch(&mut self, batch: &Batch) {
+    /// Rows of joints for the poses after the motion, and the recovery of their errors.
+    fn recover_batch_joints(&self, level: Level, batch: &mut Batch, reversed: bool, h: f32) {
+        if batch.joints.is_empty() {
+            return;
+        }
+        batch.weigh(level);
+        batch.aim_joints(level, h);
+        let recovery = &self.options.solver.joint_recovery;
+        if recovery.enabled {
+            let pass = JointPass::recovery(h, recovery.rate);
+            let (movers, ways) = (&mut batch.movers, &mut batch.displacements);
+            batch.joints.recover(level, movers, ways, &pass, reversed, h);
+            batch.outcome.work += batch.joints.sweep_work();
+            for (i, mover) in batch.movers.iter().enumerate() {
+                batch.velocities[i + 1] = mover.record();
+                batch.before[i + 1] = batch.velocities[i + 1];
+            }
+        }
+    }
+
+    fn store_batch(&mut self, batch: &mut Batch, dt: f32) {
         self.report.work += batch.outcome.work;
         self.report.residual = self.report.residual.max(batch.outcome.residual);
         for &body in &batch.outcome.pauses {
@@ -175,6 +202,7 @@ impl World {
             }
             (manifold.lambda_torsion, manifold.lambda_rolling) = (0.0, Vec3::ZERO);
         }
+        batch.joints.store(&mut self.joints, share, dt);
     }
 }
 
@@ -198,10 +226,53 @@ impl Order {
 
 impl Batch {
     fn begin(&mut self, h: f32) {
+        let anew = self.pushes_anew();
         for (i, mover) in self.movers.iter_mut().enumerate() {
             let free = mover.begin(h);
             self.before[i + 1] = free;
-            self.velocities[i + 1] = sum(&free, &self.carried[i + 1]);
+            self.velocities[i + 1] = if anew { free } else { sum(&free, &self.carried[i + 1]) };
+        }
+    }
+
+    /// Rows of joints turn with their bodies: their impulses push along other ways than in the last substep.
+    fn pushes_anew(&self) -> bool {
+        !self.joints.is_empty()
+    }
+
+    /// Rows of joints for the poses as they are, and what arcs will add to their gaps in `h` seconds.
+    fn aim_joints(&mut self, level: Level, h: f32) {
+        if !self.joints.is_empty() {
+            self.joints.follow(&self.movers);
+            self.joints.turn(level, &self.roots);
+            self.joints.look_ahead(level, &self.movers, h);
+            self.outcome.work += self.joints.turn_work();
+        }
+    }
+
+    /// Inertias of bodies with joints, and rows of their contacts, for the rotations as they are: limbs turn far in a step.
+    fn weigh(&mut self, level: Level) {
+        self.old_roots.clear();
+        self.old_roots.push(Record::default());
+        for (i, mover) in self.movers.iter_mut().enumerate() {
+            self.old_roots.push(mover.root_record());
+            if !self.joints.has(i as u32 + 1) {
+                continue;
+            }
+            mover.weigh(&mut self.displacements[i + 1]);
+            self.roots[i + 1] = mover.inverse_root_record();
+            self.velocities[i + 1] = mover.record();
+            self.before[i + 1] = self.velocities[i + 1];
+        }
+        let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
+        let (old, new) = (&self.old_roots[..], &self.roots[..]);
+        dispatch!(level, simd => reweigh_all(simd, blocks, scales, old, new));
+    }
+
+    /// Errors of joints at the end of the step.
+    fn see_joints(&mut self, level: Level) {
+        if !self.joints.is_empty() {
+            self.joints.follow(&self.movers);
+            self.joints.see(level);
         }
     }
 
@@ -219,11 +290,13 @@ impl Batch {
             block.points.iter_mut().for_each(|p| p.lambda = [0.0; LANES]);
             block.disks.iter_mut().for_each(|d| d.lambda = [[0.0; LANES]; 2]);
         }
+        self.joints.forget();
     }
 
     fn warm_start(&mut self, level: Level) {
         let (blocks, scales, velocities) = (&self.blocks, &self.scales, &mut self.velocities);
         dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
+        self.joints.warm_start(level, &mut self.velocities);
     }
 
     /// Biases of the rows; loads and unrest of the islands.
@@ -256,25 +329,33 @@ impl Batch {
     fn add_up(&mut self, level: Level) {
         let blocks = &mut self.blocks;
         dispatch!(level, simd => add_up_all(simd, blocks));
+        self.joints.add_up(level);
     }
 
-    fn sweep(&mut self, level: Level, pass: &SweepPass, reversed: bool) {
+    /// Contacts, then joints; or all of it the other way around.
+    fn sweep(&mut self, level: Level, pass: &SweepPass, joints: &JointPass, reversed: bool) {
+        if reversed {
+            self.joints.sweep(level, &mut self.velocities, joints, true);
+        }
         let (blocks, scales, velocities) = (&mut self.blocks[..], &self.scales[..], &mut self.velocities[..]);
         if reversed {
             dispatch!(level, simd => sweep::<_, true>(simd, blocks, scales, velocities, pass));
         } else {
             dispatch!(level, simd => sweep::<_, false>(simd, blocks, scales, velocities, pass));
+            self.joints.sweep(level, &mut self.velocities, joints, false);
         }
     }
 
-    fn residual(&self, level: Level) -> f32 {
+    fn residual(&self, level: Level, joints: &JointPass) -> f32 {
         let (blocks, velocities) = (&self.blocks, &self.velocities);
-        dispatch!(level, simd => residual_of(simd, blocks, velocities))
+        let of_contacts = dispatch!(level, simd => residual_of(simd, blocks, velocities));
+        of_contacts.max(self.joints.residual(level, velocities, joints))
     }
 
     /// Multiply-adds of a sweep.
     fn sweep_work(&self, passes: u64) -> u64 {
-        self.places.iter().map(|p| work::wide_visit(p.size.points() as u64, passes)).sum()
+        let contacts: u64 = self.places.iter().map(|p| work::wide_visit(p.size.points() as u64, passes)).sum();
+        contacts + self.joints.sweep_work()
     }
 }
 
@@ -308,6 +389,19 @@ fn measure_all<S: Simd>(
         let mut lanes = [0.0; LANES];
         kernel::inspect(simd, block, velocities).energy.store_slice(&mut lanes);
         unrest.push(lanes);
+    }
+}
+
+#[inline(always)]
+fn reweigh_all<S: Simd>(
+    simd: S,
+    blocks: &mut [kernel::ContactBlock],
+    scales: &[kernel::ScaleLanes],
+    old: &[Record],
+    new: &[Record],
+) {
+    for (k, block) in blocks.iter_mut().enumerate() {
+        kernel::reweigh(simd, block, &scales[k.min(scales.len() - 1)], old, new);
     }
 }
 

@@ -1,14 +1,16 @@
 //! Which islands the wide path takes, and their batches. What it cannot do yet stays with the reference.
 //!
 //! Islands that share a contact, even one too far apart to close in this step, are solved together. An island goes to
-//! the reference as a whole if any of its bodies has joints or locked axes, or any of its contacts bounces, rolls,
-//! slides like a conveyor or touches moving ground.
+//! the reference as a whole if any of its bodies has locked axes, any of its joints is no ball joint, or any of its contacts
+//! bounces, rolls, slides like a conveyor or touches moving ground; and if its joints are all there is and close no loop:
+//! the reference solves trees of joints at once.
 
 use crate::body::NO_HEIGHT;
 use crate::collision::manifold::Contact;
 use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, WorldOptions};
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
+use crate::solver::wide::joints;
 use crate::solver::wide::lanes::LANES;
 use crate::union_find::{root, unite};
 use crate::world::World;
@@ -102,20 +104,54 @@ impl World {
                 wide.unfit[island as usize] = true;
             }
         }
-        for (_, joint) in self.joints.iter() {
-            for body in [joint.definition.body_a.index, joint.definition.body_b.index] {
-                let body = self.bodies.at(body);
-                if body.is_active() {
-                    wide.unfit[body.island as usize] = true;
-                }
-            }
-        }
+        self.group_joints(wide);
         for island in 0..islands as u32 {
             let root = root(&mut wide.parents, island);
             if root != island {
-                wide.unfit[root as usize] |= wide.unfit[island as usize];
+                for flags in [&mut wide.unfit, &mut wide.jointed, &mut wide.loops] {
+                    flags[root as usize] |= flags[island as usize];
+                }
                 wide.sizes[root as usize] += wide.sizes[island as usize];
             }
+        }
+        if self.options.solver.joint_tree.enabled {
+            for island in 0..islands {
+                let is_tree = wide.jointed[island] && wide.sizes[island] == 0 && !wide.loops[island];
+                wide.unfit[island] |= is_tree;
+            }
+        }
+    }
+
+    /// Marks islands with joints, those that the lanes have no rows for, and those whose joints close loops, over what does
+    /// not move or not.
+    fn group_joints(&self, wide: &mut Wide) {
+        let islands = wide.parents.len();
+        for flags in [&mut wide.jointed, &mut wide.loops] {
+            flags.clear();
+            flags.resize(islands, false);
+        }
+        wide.joined.clear();
+        let slots = self.bodies.slot_count() as u32;
+        for (_, joint) in self.joints.iter() {
+            let ends =
+                [joint.definition.body_a.index, joint.definition.body_b.index].map(|slot| (slot, self.bodies.at(slot)));
+            let island = ends.iter().filter(|(_, body)| body.is_active()).map(|(_, body)| body.island as usize).next();
+            let Some(island) = island.filter(|_| ends.iter().all(|(_, body)| !body.broken)) else { continue };
+            wide.jointed[island] = true;
+            wide.unfit[island] |= !joints::fits(&joint.definition) || ends.iter().any(|(_, b)| b.is_moving_kinematic());
+            // Whatever does not move is one: the number after the last slot.
+            let [a, b] = ends.map(|(slot, body)| if body.is_active() { slot } else { slots });
+            wide.joined.push((a.min(b), a.max(b)));
+        }
+        wide.joined.sort_unstable();
+        wide.joined.dedup();
+        wide.joint_parents.clear();
+        wide.joint_parents.extend(0..=slots);
+        for &(a, b) in &wide.joined {
+            if root(&mut wide.joint_parents, a) == root(&mut wide.joint_parents, b) {
+                wide.loops[self.bodies.at(a).island as usize] = true;
+            }
+            unite(&mut wide.joint_parents, a, b);
         }
     }
 
@@ -123,19 +159,20 @@ impl World {
     fn assign_batches(&mut self, wide: &mut Wide) {
         wide.batch_of_island.clear();
         wide.batch_of_island.resize(wide.parents.len(), NONE);
-        let mut size = usize::MAX;
+        // Islands with joints take substeps of their own.
+        let mut open = [(NONE, usize::MAX); 2];
         for island in 0..wide.parents.len() {
             let root = root(&mut wide.parents, island as u32) as usize;
             if wide.unfit[root] {
                 continue;
             }
             if root == island {
-                if size >= BATCH {
-                    wide.start_batch();
-                    size = 0;
+                let (batch, size) = &mut open[usize::from(wide.jointed[root])];
+                if *size >= BATCH {
+                    (*batch, *size) = (wide.start_batch(), 0);
                 }
-                size += wide.sizes[root] as usize + 1;
-                wide.batch_of_island[root] = wide.used as u32 - 1;
+                *size += wide.sizes[root] as usize + 1;
+                wide.batch_of_island[root] = *batch;
             } else {
                 wide.batch_of_island[island] = wide.batch_of_island[root];
             }
@@ -182,8 +219,17 @@ impl World {
                 batch.places.push(Place::new(index as u32, manifold as u32, bodies, island));
             }
         }
+        for (slot, joint) in self.joints.iter() {
+            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
+            let Some(&mover) = ends.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
+            if ends.iter().all(|&s| !self.bodies.at(s).broken) {
+                let bodies = ends.map(|s| wide.index_of[s as usize]);
+                wide.batches[wide.batch_of[mover as usize] as usize].joints.add(slot, joint, bodies, &self.bodies);
+            }
+        }
         let source = Source {
             contacts: &self.contacts,
+            joints: &self.joints,
             bodies: &self.bodies,
             options: &self.options,
             dt,
@@ -191,7 +237,7 @@ impl World {
         };
         let level = wide.level;
         self.workers.for_each(&mut wide.batches[..wide.used], |batch| batch.build(level, &source));
-        wide.rows = wide.batches[..wide.used].iter().map(|b| b.rows as usize).sum();
+        wide.rows = wide.batches[..wide.used].iter().map(|b| (b.rows + b.joints.rows) as usize).sum();
     }
 }
 

@@ -1,19 +1,9 @@
 //! From arms and impulses to the rows of a block.
 
-use super::{ContactBlock, DiskLanes, Masses, POINTS, RowLanes, ScaleLanes, Size, pair, tangents};
-use crate::solver::wide::lanes::{Lane, V3, inverse, load, splat, store};
+use super::{ContactBlock, DiskLanes, Masses, POINTS, RowLanes, ScaleLanes, Size, pair, row_of, tangents};
+use crate::solver::wide::lanes::{Lane, Record, Symmetric, V3, inverse, load, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
-
-/// I^−½ of eight bodies: xx, xy, xz, yy, yz, zz.
-pub type RootInertia = [Lane; 6];
-
-#[inline(always)]
-fn weighted<S: Simd>(simd: S, root: &RootInertia, v: V3<S>) -> V3<S> {
-    let (xx, xy, xz) = (load(simd, &root[0]), load(simd, &root[1]), load(simd, &root[2]));
-    let (yy, yz, zz) = (load(simd, &root[3]), load(simd, &root[4]), load(simd, &root[5]));
-    V3 { x: xx * v.x + xy * v.y + xz * v.z, y: xy * v.x + yy * v.y + yz * v.z, z: xz * v.x + yz * v.y + zz * v.z }
-}
 
 /// Of a point: arms on both bodies, and 1 where there is a point, else 0.
 struct Arms<S: Simd> {
@@ -25,24 +15,19 @@ struct Arms<S: Simd> {
 impl<S: Simd> Arms<S> {
     /// J' along an axis.
     #[inline(always)]
-    fn row(&self, simd: S, axis: V3<S>, roots: &[RootInertia; 2]) -> RowLanes<S> {
+    fn row(&self, axis: V3<S>, roots: &[Symmetric<S>; 2]) -> RowLanes<S> {
         RowLanes {
             direction: axis,
-            angular_a: weighted(simd, &roots[0], self.a.cross(axis)).times(self.kept),
-            angular_b: weighted(simd, &roots[1], axis.cross(self.b)).times(self.kept),
+            angular_a: roots[0].times(self.a.cross(axis)).times(self.kept),
+            angular_b: roots[1].times(axis.cross(self.b)).times(self.kept),
         }
     }
 }
 
-/// From arms and impulses to rows: a block as it was filled becomes one that can be visited.
+/// From arms and impulses to rows: a block as it was filled becomes one that can be visited. `roots` holds I^−½ of all
+/// bodies.
 #[inline(always)]
-pub fn prepare<S: Simd>(
-    simd: S,
-    block: &mut ContactBlock,
-    scale: &ScaleLanes,
-    roots: &[RootInertia; 2],
-    counts: &Lane,
-) {
+pub fn prepare<S: Simd>(simd: S, block: &mut ContactBlock, scale: &ScaleLanes, roots: &[Record], counts: &Lane) {
     by_size!(block.size, N => prepare_points::<S, N>(simd, block, scale, roots, counts))
 }
 
@@ -51,12 +36,13 @@ fn prepare_points<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
     scale: &ScaleLanes,
-    roots: &[RootInertia; 2],
+    roots: &[Record],
     counts: &Lane,
 ) {
     let n = V3::load(simd, &block.normal);
     let t = tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
+    let roots = [Symmetric::gather(simd, roots, &block.body_a), Symmetric::gather(simd, roots, &block.body_b)];
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
     let counts = load(simd, counts);
     let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
@@ -74,7 +60,7 @@ fn prepare_points<S: Simd, const N: usize>(
         let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
         let arms = Arms { a: arm_a, b: arm_b, kept };
 
-        let normal = arms.row(simd, n, roots);
+        let normal = arms.row(n, &roots);
         let k = normal.inner(&normal, &masses);
         let effective_mass = exists.select(inverse(simd, k), zero);
         normal.angular_a.store(&mut p.angular_a);
@@ -85,7 +71,7 @@ fn prepare_points<S: Simd, const N: usize>(
         normals[i] = normal;
 
         let impulse = V3::load(simd, &disk.angular_a[0]);
-        let tangent = [arms.row(simd, t[0], roots), arms.row(simd, t[1], roots)];
+        let tangent = [arms.row(t[0], &roots), arms.row(t[1], &roots)];
         for k in 0..2 {
             store(impulse.dot(t[k]), &mut disk.lambda[k]);
             tangent[k].angular_a.store(&mut disk.angular_a[k]);
@@ -93,9 +79,77 @@ fn prepare_points<S: Simd, const N: usize>(
         }
         prepare_disk(simd, disk, &tangent, &masses, kept);
     }
+    couple(block, &normals, &masses);
+}
+
+#[inline(always)]
+fn couple<S: Simd, const N: usize>(block: &mut ContactBlock, normals: &[RowLanes<S>; N], masses: &Masses<S>) {
     for i in 0..N {
         for j in i + 1..N {
-            store(normals[i].inner(&normals[j], &masses), &mut block.coupling[pair(i, j)]);
+            store(normals[i].inner(&normals[j], masses), &mut block.coupling[pair(i, j)]);
+        }
+    }
+}
+
+/// Rows for other inertias: `old` holds I^½ of all bodies as rows have them, `new` I^−½ as they shall.
+#[inline(always)]
+pub fn reweigh<S: Simd>(simd: S, block: &mut ContactBlock, scale: &ScaleLanes, old: &[Record], new: &[Record]) {
+    by_size!(block.size, N => reweigh_points::<S, N>(simd, block, scale, old, new))
+}
+
+#[inline(always)]
+fn reweigh_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &mut ContactBlock,
+    scale: &ScaleLanes,
+    old: &[Record],
+    new: &[Record],
+) {
+    let n = V3::load(simd, &block.normal);
+    let t = tangents(simd, n);
+    let masses = Masses::of(simd, block, scale);
+    let change = Reweighing {
+        old: [Symmetric::gather(simd, old, &block.body_a), Symmetric::gather(simd, old, &block.body_b)],
+        new: [Symmetric::gather(simd, new, &block.body_a), Symmetric::gather(simd, new, &block.body_b)],
+    };
+    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
+    for i in 0..N {
+        let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
+        let exists = load(simd, &p.effective_mass).simd_gt(splat(simd, 0.0));
+        let normal = change.of(row_of(simd, n, &p.angular_a, &p.angular_b));
+        let k = normal.inner(&normal, &masses);
+        let zero = splat(simd, 0.0);
+        store(k, &mut p.k);
+        store(exists.select(inverse(simd, k), zero), &mut p.effective_mass);
+        normal.angular_a.store(&mut p.angular_a);
+        normal.angular_b.store(&mut p.angular_b);
+        normals[i] = normal;
+        let tangent = [
+            change.of(row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0])),
+            change.of(row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1])),
+        ];
+        for k in 0..2 {
+            tangent[k].angular_a.store(&mut disk.angular_a[k]);
+            tangent[k].angular_b.store(&mut disk.angular_b[k]);
+        }
+        prepare_disk(simd, disk, &tangent, &masses, exists.select(splat(simd, 1.0), zero));
+    }
+    couple(block, &normals, &masses);
+}
+
+/// From rows with one inertia of A and B to rows with another.
+struct Reweighing<S: Simd> {
+    old: [Symmetric<S>; 2],
+    new: [Symmetric<S>; 2],
+}
+
+impl<S: Simd> Reweighing<S> {
+    #[inline(always)]
+    fn of(&self, row: RowLanes<S>) -> RowLanes<S> {
+        RowLanes {
+            angular_a: self.new[0].times(self.old[0].times(row.angular_a)),
+            angular_b: self.new[1].times(self.old[1].times(row.angular_b)),
+            ..row
         }
     }
 }

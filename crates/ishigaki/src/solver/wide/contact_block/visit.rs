@@ -1,7 +1,7 @@
 //! A visit to a block, and a look at it without one.
 
-use super::{ContactBlock, DiskLanes, Masses, POINTS, ScaleLanes, Sides, Size, SweepPass, pair, row_of, tangents};
-use crate::solver::wide::lanes::{Record, V3, load, positive, splat, store};
+use super::{ContactBlock, DiskLanes, Masses, POINTS, ScaleLanes, Size, SweepPass, pair, row_of, tangents};
+use crate::solver::wide::lanes::{Record, Sides, V3, load, positive, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
@@ -27,7 +27,7 @@ fn visit_points<S: Simd, const N: usize>(
 ) {
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
-    let mut sides = Sides::gather(simd, velocities, block);
+    let mut sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
     visit_normals::<S, N>(simd, block, n, &masses, &mut sides, pass.passes);
     let t = tangents(simd, n);
     let mu = load(simd, &block.friction);
@@ -35,7 +35,7 @@ fn visit_points<S: Simd, const N: usize>(
         let reach = mu * positive(simd, load(simd, &block.points[i].lambda));
         visit_disk(simd, &mut block.disks[i], t, reach, &masses, &mut sides);
     }
-    sides.scatter(simd, velocities, block);
+    sides.scatter(simd, velocities, &block.body_a, &block.body_b);
 }
 
 /// Gauss–Seidel on the normals alone: the bodies are read once and pushed once.
@@ -141,7 +141,7 @@ pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) ->
 fn inspect_points<S: Simd, const N: usize>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
     let n = V3::load(simd, &block.normal);
     let t = tangents(simd, n);
-    let sides = Sides::gather(simd, velocities, block);
+    let sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
     let relative = sides.relative(load(simd, &block.root_a), load(simd, &block.root_b));
     let mu = load(simd, &block.friction);
     let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));

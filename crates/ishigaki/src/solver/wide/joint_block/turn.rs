@@ -1,0 +1,218 @@
+//! From poses to rows.
+
+use super::{CONE, JointBlock, RangeLanes, TWIST};
+use crate::solver::wide::lanes::{Q4, Record, Sides, Symmetric, V3, atan2, gather_poses, inverse, load, splat, store};
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+use std::f32::consts::{PI, TAU};
+
+/// A row whose pivot is below this part of its diagonal is left out: `block.rs`.
+const TINY_PIVOT: f32 = 1e-5;
+
+/// Both bodies of eight joints.
+struct Poses<S: Simd> {
+    arm_a: V3<S>,
+    arm_b: V3<S>,
+    rotation_a: Q4<S>,
+    rotation_b: Q4<S>,
+    /// p_A − p_B.
+    gap: V3<S>,
+}
+
+#[inline(always)]
+fn poses_of<S: Simd>(simd: S, block: &JointBlock, poses: &[Record]) -> Poses<S> {
+    let (center_a, rotation_a) = gather_poses(simd, poses, &block.poses[0]);
+    let (center_b, rotation_b) = gather_poses(simd, poses, &block.poses[1]);
+    let arm_a = rotation_a.turn(simd, V3::load(simd, &block.anchors[0]));
+    let arm_b = rotation_b.turn(simd, V3::load(simd, &block.anchors[1]));
+    // Centers first: far from the origin their difference is exact, the sums would not be.
+    let gap = center_a.minus(center_b).plus(arm_a.minus(arm_b));
+    Poses { arm_a, arm_b, rotation_a, rotation_b, gap }
+}
+
+/// Rows for the poses as they are: `constraint/ball.rs`, `block.rs`. `roots` holds I^−½ of all bodies.
+#[inline(always)]
+pub fn turn<S: Simd>(simd: S, block: &mut JointBlock, poses: &[Record], roots: &[Record]) {
+    let at = poses_of(simd, block, poses);
+    let roots = [Symmetric::gather(simd, roots, &block.bodies[0]), Symmetric::gather(simd, roots, &block.bodies[1])];
+    if block.parts.drags {
+        for side in 0..2 {
+            roots[side].upper.store(&mut block.inertia[side][0]);
+            roots[side].lower.store(&mut block.inertia[side][1]);
+        }
+    }
+    at.arm_a.store(&mut block.arms[0]);
+    at.arm_b.store(&mut block.arms[1]);
+    at.gap.store(&mut block.gap);
+    let zero = splat(simd, 0.0);
+    let (a, b) = (at.arm_a, at.arm_b);
+    // r × e for A, −r × e for B.
+    let of_a = [V3 { x: zero, y: a.z, z: -a.y }, V3 { x: -a.z, y: zero, z: a.x }, V3 { x: a.y, y: -a.x, z: zero }];
+    let of_b = [V3 { x: zero, y: -b.z, z: b.y }, V3 { x: b.z, y: zero, z: -b.x }, V3 { x: -b.y, y: b.x, z: zero }];
+    let mut rows_a = of_a;
+    let mut rows_b = of_b;
+    for k in 0..3 {
+        rows_a[k] = roots[0].times(of_a[k]);
+        rows_b[k] = roots[1].times(of_b[k]);
+        rows_a[k].store(&mut block.angular[0][k]);
+        rows_b[k].store(&mut block.angular[1][k]);
+    }
+    let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
+    let mass = root_a * root_a + root_b * root_b;
+    factor(simd, block, mass, &rows_a, &rows_b);
+    if block.parts.ranges {
+        turn_ranges(simd, block, &at, &roots);
+    }
+}
+
+/// J'J'ᵀ = L D Lᵀ of the point.
+#[inline(always)]
+fn factor<S: Simd>(simd: S, block: &mut JointBlock, mass: f32x8<S>, a: &[V3<S>; 3], b: &[V3<S>; 3]) {
+    let k00 = mass + a[0].dot(a[0]) + b[0].dot(b[0]);
+    let k10 = a[1].dot(a[0]) + b[1].dot(b[0]);
+    let k11 = mass + a[1].dot(a[1]) + b[1].dot(b[1]);
+    let k20 = a[2].dot(a[0]) + b[2].dot(b[0]);
+    let k21 = a[2].dot(a[1]) + b[2].dot(b[1]);
+    let k22 = mass + a[2].dot(a[2]) + b[2].dot(b[2]);
+    let d0 = inverse(simd, k00);
+    let (l10, l20) = (k10 * d0, k20 * d0);
+    let p1 = k11 - l10 * k10;
+    let d1 = inverse_pivot(simd, p1, k11);
+    let c21 = k21 - l20 * k10;
+    let l21 = c21 * d1;
+    let p2 = k22 - l20 * k20 - l21 * c21;
+    store(l10, &mut block.lower[0]);
+    store(l20, &mut block.lower[1]);
+    store(l21, &mut block.lower[2]);
+    store(d0, &mut block.inverse_pivots[0]);
+    store(d1, &mut block.inverse_pivots[1]);
+    store(inverse_pivot(simd, p2, k22), &mut block.inverse_pivots[2]);
+}
+
+#[inline(always)]
+fn inverse_pivot<S: Simd>(simd: S, pivot: f32x8<S>, diagonal: f32x8<S>) -> f32x8<S> {
+    let usable = pivot.simd_gt(splat(simd, TINY_PIVOT) * diagonal);
+    usable.select(inverse(simd, pivot), splat(simd, 0.0))
+}
+
+/// Twist and cone at the pose: value, axis, and how far the value can be believed.
+struct Angle<S: Simd> {
+    value: f32x8<S>,
+    axis: V3<S>,
+    trust: f32x8<S>,
+}
+
+#[inline(always)]
+fn length<S: Simd>(v: V3<S>) -> f32x8<S> {
+    v.dot(v).sqrt()
+}
+
+#[inline(always)]
+fn constant<S: Simd>(simd: S, v: crate::math::Vec3) -> V3<S> {
+    V3 { x: splat(simd, v.x), y: splat(simd, v.y), z: splat(simd, v.z) }
+}
+
+/// The angles of twist and cone: `constraint/part/axis.rs`, `twist` and `swing`.
+#[inline(always)]
+fn angles<S: Simd>(simd: S, block: &JointBlock, at: &Poses<S>) -> [Angle<S>; 2] {
+    let frame_a = at.rotation_a.after(Q4::load(simd, &block.frames[0]));
+    let frame_b = at.rotation_b.after(Q4::load(simd, &block.frames[1]));
+    let (one, half) = (splat(simd, 1.0), splat(simd, 0.5));
+    let x_axis = crate::math::Vec3::X;
+    let a = frame_a.turn(simd, constant(simd, x_axis));
+    let b = frame_b.turn(simd, constant(simd, x_axis));
+
+    let cross = a.cross(b);
+    let sine = length(cross);
+    let is_tilted = sine.simd_gt(splat(simd, 1e-5));
+    let scale = is_tilted.select(one / is_tilted.select(sine, one), splat(simd, 0.0));
+    let across = frame_a.turn(simd, constant(simd, crate::math::tangents(x_axis).0));
+    let n = cross.times(scale);
+    let n = V3 {
+        x: is_tilted.select(n.x, across.x),
+        y: is_tilted.select(n.y, across.y),
+        z: is_tilted.select(n.z, across.z),
+    };
+    let cone = Angle { value: atan2(simd, sine, a.dot(b)), axis: n, trust: one };
+
+    let q = frame_a.conjugate(simd).after(frame_b);
+    let angle = splat(simd, 2.0) * atan2(simd, q.v.x, q.w);
+    let sum = a.plus(b);
+    let half_cosine = half * length(sum);
+    let least = splat(simd, 0.1);
+    let is_sure = half_cosine.simd_gt(least);
+    let is_some = half_cosine.simd_gt(splat(simd, 1e-4));
+    let bounded = is_sure.select(half_cosine, least);
+    let scale = half / (is_some.select(half_cosine, one) * bounded);
+    let g = sum.times(scale);
+    let g = V3 { x: is_some.select(g.x, a.x), y: is_some.select(g.y, a.y), z: is_some.select(g.z, a.z) };
+    let trust = is_sure.select(one, half_cosine / least);
+    let middle = load(simd, &block.ranges[TWIST].middle);
+    [Angle { value: nearest_turn(simd, angle, middle), axis: g, trust }, cone]
+}
+
+/// An angle of at most a turn either way, plus the whole turns that bring it nearest to the middle, itself within a turn.
+#[inline(always)]
+fn nearest_turn<S: Simd>(simd: S, angle: f32x8<S>, middle: f32x8<S>) -> f32x8<S> {
+    let (pi, turn) = (splat(simd, PI), splat(simd, TAU));
+    let mut nearest = angle;
+    for _ in 0..2 {
+        let off = middle - nearest;
+        nearest = off.simd_gt(pi).select(nearest + turn, (-off).simd_gt(pi).select(nearest - turn, nearest));
+    }
+    nearest
+}
+
+#[inline(always)]
+fn turn_ranges<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, roots: &[Symmetric<S>; 2]) {
+    let [twist, cone] = angles(simd, block, at);
+    turn_range(simd, &mut block.ranges[TWIST], &twist, roots);
+    turn_range(simd, &mut block.ranges[CONE], &cone, roots);
+}
+
+#[inline(always)]
+fn turn_range<S: Simd>(simd: S, range: &mut RangeLanes, angle: &Angle<S>, roots: &[Symmetric<S>; 2]) {
+    let a = roots[0].times(angle.axis).times(splat(simd, -1.0));
+    let b = roots[1].times(angle.axis);
+    a.store(&mut range.angular[0]);
+    b.store(&mut range.angular[1]);
+    angle.axis.store(&mut range.axis);
+    store(angle.trust, &mut range.trust);
+    store(a.dot(a) + b.dot(b), &mut range.k);
+    range.is_free_mass_known = false;
+    store_gaps(simd, range, angle);
+}
+
+#[inline(always)]
+fn store_gaps<S: Simd>(simd: S, range: &mut RangeLanes, angle: &Angle<S>) {
+    store(angle.value - load(simd, &range.limits[0]), &mut range.gaps[0]);
+    store(load(simd, &range.limits[1]) - angle.value, &mut range.gaps[1]);
+}
+
+/// Errors for the poses as they are, without rows.
+#[inline(always)]
+pub fn see<S: Simd>(simd: S, block: &mut JointBlock, poses: &[Record]) {
+    let at = poses_of(simd, block, poses);
+    at.gap.store(&mut block.gap);
+    if block.parts.ranges {
+        let [twist, cone] = angles(simd, block, &at);
+        store_gaps(simd, &mut block.ranges[TWIST], &twist);
+        store_gaps(simd, &mut block.ranges[CONE], &cone);
+    }
+}
+
+/// What the way along arcs adds to the gap in a substep of `h` seconds: `constraint/part/point.rs`. `spins` holds the
+/// angular velocity of each pose, and the angular acceleration of its free turning.
+#[inline(always)]
+pub fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, spins: &[Record], h: f32) {
+    let spin = Sides::gather(simd, spins, &block.bodies[0], &block.bodies[1]);
+    let of_a = turning(spin.linear_a, spin.angular_a, V3::load(simd, &block.arms[0]));
+    let of_b = turning(spin.linear_b, spin.angular_b, V3::load(simd, &block.arms[1]));
+    of_a.minus(of_b).times(splat(simd, 0.5 * h)).store(&mut block.arc);
+}
+
+/// ω×(ω×r) + ω̇×r, m/s².
+#[inline(always)]
+fn turning<S: Simd>(w: V3<S>, gyration: V3<S>, arm: V3<S>) -> V3<S> {
+    w.cross(w.cross(arm)).plus(gyration.cross(arm))
+}
