@@ -4,13 +4,19 @@
 //! all of that speed out again: so it is done for them, and angular momentum is kept to rounding. In turn with contacts, and
 //! in nets, few sweeps leave some of it; it stays in λ, the warm start hands it on, and heaps tremble for ever. There the
 //! rows are solved after the motion for velocities of their own, that start at zero: J v = −k C/h; the bodies move by
-//! h v, and v and its impulses are forgotten (split impulse, pseudo-velocities). What the way along arcs will add to the
-//! error is met by velocities there too: it is no error yet, and poses that took it back would slow what swings.
+//! h v, and v and its impulses are forgotten (split impulse, pseudo-velocities).
+//!
+//! Bodies move along straight lines, arms along arcs: with a = ½h(ω×(ω×r) + ω̇×r) of both arms the error after the motion
+//! is C + h(J u + a). What recovers by poses has velocities along *chords*: J u = −a before the motion, so that poses stay
+//! on the arc, and J u = a after it, the direction in which the same straight line leaves. λ is then the same in both
+//! halves of a substep: as a first guess it is right, and what few sweeps leave undone gives no energy, as it does where
+//! velocities end along the tangent, J u = 0. At the limit of many sweeps this is SHAKE, which is symplectic. Where all is
+//! solved at once tangents are as good, and are what motors and reports expect.
 //! Motors, springs and friction have no errors; contacts recover for themselves, and overlap that a joint makes is theirs
 //! to take back.
-//! Option: `solver.joint_recovery`; proved by `tests/laws_joint.rs`.
+//! Option: `solver.joint_recovery`; proved by `tests/laws_joint.rs` and `tests/net.rs`.
 //! Source: Weinstein, Teran & Fedkiw 2006 (joint errors are met by poses before velocities are solved); Catto, Box2D,
-//! `b2Island.cpp`, notes on position correction (pseudo-velocities).
+//! `b2Island.cpp`, notes on position correction (pseudo-velocities); Ryckaert, Ciccotti & Berendsen 1977 (SHAKE).
 
 use crate::constraint::friction::Coupling;
 use crate::math::Vec3;

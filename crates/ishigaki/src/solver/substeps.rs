@@ -3,8 +3,8 @@
 //! Each substep: rows of joints anew · forces · impacts · warm start · sweeps with recovery · bodies move · joints
 //! recover (`joint_recovery.rs`) · relax sweeps without recovery, which take its speed out again. Contacts keep their
 //! Jacobians over the step, their separations advance by J·δ; joints refresh anchors, since their errors must not
-//! drift, before the sweeps and after the motion: velocities end tangent to what the joint allows there, and what swings
-//! keeps its energy.
+//! drift, before the sweeps and after the motion: velocities end tangent to what the joint allows there, or, where joints
+//! recover by poses, along the chord that leaves from there, and what swings keeps its energy.
 //! Proved by `tests/laws_pendulum.rs`, `tests/laws_momentum.rs`.
 
 use crate::body::{BodyState, unlocked};
@@ -124,8 +124,9 @@ impl World {
     }
 
     /// Jacobians of hard joint rows at the poses after the motion, with the bias of what recovers there. Velocities must
-    /// end along what the joint allows *there*: along the directions before the motion, the next substep would take the
-    /// difference out as a loss. Soft rows stay: their bias is an implicit equation about the whole substep.
+    /// end along what the joint allows *there*, or along the chord from there: along the directions before the motion, the
+    /// next substep would take the difference out as a loss. Soft rows keep theirs, as their bias is an implicit equation
+    /// about the whole substep, and see the inertia as it is now.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
         self.for_joint_rows(plan, h, |row, spec, bodies| {
