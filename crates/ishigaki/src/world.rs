@@ -368,6 +368,7 @@ impl World {
     pub fn add_joint(&mut self, joint: Joint) -> Result<JointHandle> {
         joint.validate()?;
         self.checked_pair(joint.body_a, joint.body_b)?;
+        let joint_pair = pair_of(&joint);
         let (a, b) = (self.bodies.at(joint.body_a.index), self.bodies.at(joint.body_b.index));
         let resolved = ResolvedJoint::new(&joint, &a.frame(), a.mass.center, &b.frame(), b.mass.center);
         let rows = resolved.row_count(&joint.kind);
@@ -380,8 +381,11 @@ impl World {
             angle_error: 0.0,
             definition: joint,
         };
+        let collides = state.definition.collide;
         let handle = JointHandle::from(self.joints.insert(state));
-        self.collect_jointed_pairs();
+        if !collides {
+            self.keep_apart(joint_pair);
+        }
         Ok(handle)
     }
 
@@ -431,14 +435,18 @@ impl World {
         true
     }
 
+    /// A pair of bodies more that do not touch.
+    fn keep_apart(&mut self, pair: (u32, u32)) {
+        if let Err(at) = self.jointed.binary_search(&pair) {
+            self.jointed.insert(at, pair);
+            self.drop_forbidden_pairs();
+        }
+    }
+
     fn collect_jointed_pairs(&mut self) {
         self.jointed.clear();
-        for (_, joint) in self.joints.iter() {
-            let Joint { body_a, body_b, collide, .. } = joint.definition;
-            if !collide {
-                self.jointed.push((body_a.index.min(body_b.index), body_a.index.max(body_b.index)));
-            }
-        }
+        let apart = self.joints.iter().filter(|(_, joint)| !joint.definition.collide);
+        self.jointed.extend(apart.map(|(_, joint)| pair_of(&joint.definition)));
         self.jointed.sort_unstable();
         self.jointed.dedup();
         self.drop_forbidden_pairs();
@@ -504,4 +512,10 @@ impl World {
             _ => false,
         }
     }
+}
+
+/// The slots of a joint's bodies, the smaller first.
+fn pair_of(joint: &Joint) -> (u32, u32) {
+    let (a, b) = (joint.body_a.index, joint.body_b.index);
+    (a.min(b), a.max(b))
 }

@@ -137,7 +137,7 @@ fn one_step_is_that_of_the_reference() {
 
 #[test]
 fn joints_move_as_in_the_reference() {
-    let parts: [(&str, fn(&mut World)); 7] = [
+    let parts: [Scene; 7] = [
         ("net", net),
         ("limbs", |w| limbs(w, |j| j)),
         ("cones", |w| limbs(w, |j| j.cone(0.1))),

@@ -119,7 +119,7 @@ fn changed(rotation: Quat, change: Quat) -> Quat {
 }
 
 /// Below this angle (rad) a few terms of the series are exact to f32 rounding and cheaper than libm.
-const SERIES_LIMIT: f32 = 0.5;
+pub(crate) const SERIES_LIMIT: f32 = 0.5;
 
 /// sin x and 1 − cos x.
 fn sine_versine(x: f32) -> (f32, f32) {

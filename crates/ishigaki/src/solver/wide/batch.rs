@@ -88,6 +88,8 @@ pub struct Outcome {
 pub struct Batch {
     /// Bodies; their index here is one less than in the arrays of records, where 0 is the ground.
     pub movers: Vec<Mover>,
+    /// Movers whose moments of inertia are not all the same.
+    pub uneven: Vec<u32>,
     /// u' of the ground and of all movers.
     pub velocities: Vec<Record>,
     /// u' before the sweeps.
@@ -183,6 +185,9 @@ impl Batch {
             records.clear();
             records.resize(self.movers.len() + 1, ground);
         }
+        let is_uneven = |i: &u32| !self.movers[*i as usize].spin().is_isotropic();
+        self.uneven.clear();
+        self.uneven.extend((0..self.movers.len() as u32).filter(is_uneven));
         self.roots.clear();
         self.roots.push(ground);
         self.roots.extend(self.movers.iter().map(Mover::inverse_root_record));

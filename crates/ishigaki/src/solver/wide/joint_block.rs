@@ -4,6 +4,7 @@
 //! are solved together by LDLᵀ (`block.rs`), an end of a range with its point (`reference.rs`). Poses come from the bodies
 //! after each motion, and rows follow them: no joint is asked one by one.
 //! No closures in here, as in `contact_block.rs`. Held to the reference by `tests/wide.rs`.
+#![expect(clippy::needless_range_loop, reason = "kernels walk several arrays of rows in step")]
 
 use crate::solver::wide::lanes::{LANES, Lane, Lane3};
 

@@ -14,6 +14,7 @@ use crate::motion;
 use crate::solver::wide::joint_block::{self as kernel, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST};
 use crate::solver::wide::lanes::{LANES, Lane3, Record};
 use crate::solver::wide::mover::Mover;
+use crate::solver::wide::turning;
 use crate::solver::work;
 use crate::world::JointState;
 use fearless_simd::prelude::*;
@@ -278,12 +279,13 @@ impl Joints {
     }
 
     /// What the way along arcs will add to gaps in `h` seconds.
-    pub fn look_ahead(&mut self, level: Level, movers: &[Mover], h: f32) {
+    pub fn look_ahead(&mut self, level: Level, movers: &[Mover], uneven: &[u32], h: f32) {
         for (spin, mover) in self.spins[1..].iter_mut().zip(movers) {
-            let (w, gyration) = (mover.angular_velocity(), mover.gyration());
-            *spin = Record([w.x, w.y, w.z, 0.0, gyration.x, gyration.y, gyration.z, 0.0]);
+            let w = mover.angular_velocity();
+            *spin = Record([w.x, w.y, w.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
         }
-        let (blocks, spins) = (&mut self.blocks, &self.spins);
+        let (blocks, spins) = (&mut self.blocks, &mut self.spins);
+        dispatch!(level, simd => gyrations_of(simd, movers, uneven, spins));
         dispatch!(level, simd => look_ahead_all(simd, blocks, spins, h));
     }
 
@@ -387,15 +389,6 @@ impl Joints {
 }
 
 impl Mover {
-    /// ω̇ of free turning, −I⁻¹(ω × L), rad/s².
-    fn gyration(&self) -> Vec3 {
-        let spin = self.spin();
-        if spin.is_isotropic() {
-            return Vec3::ZERO;
-        }
-        spin.inverse_inertia_times(spin.angular_momentum.cross(spin.angular_velocity))
-    }
-
     /// Moves by h seconds of a mass-weighted velocity that is forgotten; L stays, ω follows.
     fn shift(&mut self, push: &Record, h: f32) {
         let (velocity, angular_velocity) = self.velocities(push);
@@ -408,6 +401,13 @@ impl Mover {
 fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record], roots: &[Record]) {
     for block in blocks {
         kernel::turn(simd, block, poses, roots);
+    }
+}
+
+#[inline(always)]
+fn gyrations_of<S: Simd>(simd: S, movers: &[Mover], uneven: &[u32], spins: &mut [Record]) {
+    for indices in uneven.chunks(LANES) {
+        turning::find_gyrations(simd, movers, indices, spins);
     }
 }
 

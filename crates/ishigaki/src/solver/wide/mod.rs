@@ -16,6 +16,7 @@ pub mod mover;
 mod seed;
 mod solve;
 mod split;
+mod turning;
 
 use crate::solver::plan::Plan;
 use batch::Batch;

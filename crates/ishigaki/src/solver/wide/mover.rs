@@ -5,7 +5,7 @@
 use crate::body::BodyState;
 use crate::math::{Mat3, Quat, Vec3, rotated_diagonal};
 use crate::motion::{self, Spin, forces};
-use crate::options::MotionOptions;
+use crate::options::RotationScheme;
 use crate::solver::wide::lanes::Record;
 
 /// One body over the substeps of a step.
@@ -30,6 +30,8 @@ pub struct Mover {
     torque: Vec3,
     acceleration: Vec3,
     damping: [f32; 2],
+    /// L has changed, and ω does not follow it yet.
+    is_stale: bool,
 }
 
 /// What moves all bodies alike.
@@ -62,6 +64,7 @@ impl Mover {
             torque: body.torque,
             acceleration: gravity * body.gravity_scale,
             damping: [body.linear_damping, body.angular_damping],
+            is_stale: false,
         }
     }
 
@@ -97,21 +100,46 @@ impl Mover {
         Record([x.x, y.x, z.x, 0.0, y.y, z.y, z.z, 0.0])
     }
 
-    /// Takes I^½ and I^−½ for the rotation as it is; the way of the step so far is weighted by them.
-    pub fn weigh(&mut self, displacement: &mut Record) {
-        if self.spin.is_isotropic() {
-            return;
-        }
+    /// Takes I^½ and I^−½ that were found for the rotation as it is; the way of the step so far is weighted by them.
+    pub fn weigh(&mut self, root: [f32; 6], inverse_root: [f32; 6], displacement: &mut Record) {
         let (way, turn) = self.velocities(displacement);
-        (self.root_inertia, self.inverse_root_inertia) = roots_of(&self.spin);
+        let [xx, xy, xz, yy, yz, zz] = root;
+        let columns = [Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz)];
+        self.root_inertia = Mat3::from_cols(columns[0], columns[1], columns[2]);
+        self.inverse_root_inertia = inverse_root;
         *displacement = self.weighted(way, turn);
     }
 
-    /// Puts the body somewhere else; L stays, ω follows.
+    /// Puts the body somewhere else; L stays, ω is to follow.
     pub fn put(&mut self, center: Vec3, rotation: Quat) {
         self.center = center;
         self.spin.rotation = rotation;
-        self.spin.angular_velocity = self.spin.inverse_inertia_times(self.spin.angular_momentum);
+        self.is_stale = true;
+    }
+
+    /// ω = I⁻¹L has been found.
+    pub fn take_spin(&mut self, angular_velocity: Vec3) {
+        if self.is_stale {
+            self.spin.angular_velocity = angular_velocity;
+            self.is_stale = false;
+        }
+    }
+
+    /// ω = I⁻¹L, by itself.
+    pub fn find_spin(&mut self) {
+        if self.is_stale {
+            self.take_spin(self.spin.inverse_inertia_times(self.spin.angular_momentum));
+        }
+    }
+
+    /// R and ω have been found.
+    pub fn take_turn(&mut self, rotation: Quat, angular_velocity: Vec3) {
+        (self.spin.rotation, self.spin.angular_velocity) = (rotation, angular_velocity);
+    }
+
+    /// R and ω after `h` seconds, by itself.
+    pub fn turn(&mut self, scheme: RotationScheme, h: f32) {
+        motion::advance(scheme, &mut self.spin, false, h);
     }
 
     /// u' = (m^½ v, I^½ ω).
@@ -167,31 +195,27 @@ impl Mover {
         self.record()
     }
 
-    fn turn_by(&mut self, change: Vec3) {
-        if change != Vec3::ZERO {
-            self.spin.angular_momentum += change;
-            self.spin.angular_velocity = self.spin.inverse_inertia_times(self.spin.angular_momentum);
-        }
-    }
-
-    /// Takes over what sweeps made of u'; gives the change.
+    /// Takes over what sweeps made of u', ω but for lanes to find; gives the change.
     pub fn take(&mut self, before: &Record, after: &Record) -> Record {
         let change: [f32; 8] = std::array::from_fn(|k| after.0[k] - before.0[k]);
         let [vx, vy, vz, _, wx, wy, wz, _] = change;
         self.velocity += self.inverse_root_mass * Vec3::new(vx, vy, vz);
-        self.turn_by(self.root_inertia * Vec3::new(wx, wy, wz));
+        let turn = self.root_inertia * Vec3::new(wx, wy, wz);
+        if turn != Vec3::ZERO {
+            self.spin.angular_momentum += turn;
+            self.is_stale = true;
+        }
         Record(change)
     }
 
-    /// x += h v, R by the scheme of the rotation; adds the way to the mass-weighted displacement.
-    pub fn advance(&mut self, motion: &MotionOptions, limits: MotionLimits, h: f32, displacement: &mut Record) {
+    /// x += h v; adds the way and the turn of `h` seconds to the mass-weighted displacement.
+    pub fn advance(&mut self, limits: MotionLimits, h: f32, displacement: &mut Record) {
         self.velocity = forces::limited(self.velocity, limits.speed);
         forces::limit_spin(&mut self.spin, limits.angular_speed);
         let way = self.weighted(h * self.velocity, h * self.spin.angular_velocity);
         for (sum, part) in displacement.0.iter_mut().zip(way.0) {
             *sum += part;
         }
-        motion::advance(motion.rotation, &mut self.spin, false, h);
         self.center += h * self.velocity;
     }
 

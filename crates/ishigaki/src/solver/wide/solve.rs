@@ -4,6 +4,7 @@
 //! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
 
 use crate::math::Vec3;
+use crate::options::RotationScheme;
 use crate::solver::hand_down::{self, HandDown};
 use crate::solver::level_correction;
 use crate::solver::manifold_block;
@@ -15,7 +16,8 @@ use crate::solver::wide::batch::{Batch, Outcome};
 use crate::solver::wide::contact_block::{self as kernel, SweepPass};
 use crate::solver::wide::joint_block::JointPass;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
-use crate::solver::wide::mover::MotionLimits;
+use crate::solver::wide::mover::{MotionLimits, Mover};
+use crate::solver::wide::turning;
 use crate::solver::work;
 use crate::world::World;
 use fearless_simd::prelude::*;
@@ -84,7 +86,7 @@ impl World {
                     batch.outcome.residual = batch.residual(level, &velocity);
                 }
             }
-            self.move_batch(batch, h);
+            self.move_batch(level, batch, h);
             if !is_free {
                 self.recover_batch_joints(level, batch, order.reversed, h);
                 batch.relax(level, &pass, is_last);
@@ -94,7 +96,7 @@ impl World {
                 }
                 batch.add_up(level);
             }
-            batch.end();
+            batch.end(level);
             if !pass.warm {
                 batch.forget();
             }
@@ -146,13 +148,19 @@ impl World {
         }
     }
 
-    fn move_batch(&self, batch: &mut Batch, h: f32) {
+    fn move_batch(&self, level: Level, batch: &mut Batch, h: f32) {
         let root = self.options.length_scale.sqrt();
         let motion = &self.options.motion;
         let limits = MotionLimits { speed: motion.max_speed * root, angular_speed: motion.max_angular_speed / root };
         for (i, mover) in batch.movers.iter_mut().enumerate() {
             batch.carried[i + 1] = mover.take(&batch.before[i + 1], &batch.velocities[i + 1]);
-            mover.advance(motion, limits, h, &mut batch.displacements[i + 1]);
+        }
+        batch.find_spins(level);
+        for (i, mover) in batch.movers.iter_mut().enumerate() {
+            mover.advance(limits, h, &mut batch.displacements[i + 1]);
+        }
+        batch.turn(level, motion.rotation, h);
+        for (i, mover) in batch.movers.iter().enumerate() {
             batch.velocities[i + 1] = mover.record();
             batch.before[i + 1] = batch.velocities[i + 1];
         }
@@ -170,6 +178,7 @@ impl World {
             let pass = JointPass::recovery(h, recovery.rate);
             let (movers, ways) = (&mut batch.movers, &mut batch.displacements);
             batch.joints.recover(level, movers, ways, &pass, reversed, h);
+            batch.find_spins(level);
             batch.outcome.work += batch.joints.sweep_work();
             for (i, mover) in batch.movers.iter().enumerate() {
                 batch.velocities[i + 1] = mover.record();
@@ -244,7 +253,7 @@ impl Batch {
         if !self.joints.is_empty() {
             self.joints.follow(&self.movers);
             self.joints.turn(level, &self.roots);
-            self.joints.look_ahead(level, &self.movers, h);
+            self.joints.look_ahead(level, &self.movers, &self.uneven, h);
             self.outcome.work += self.joints.turn_work();
         }
     }
@@ -253,15 +262,18 @@ impl Batch {
     fn weigh(&mut self, level: Level) {
         self.old_roots.clear();
         self.old_roots.push(Record::default());
-        for (i, mover) in self.movers.iter_mut().enumerate() {
-            self.old_roots.push(mover.root_record());
-            if !self.joints.has(i as u32 + 1) {
-                continue;
+        self.old_roots.extend(self.movers.iter().map(Mover::root_record));
+        for indices in self.uneven.chunks(LANES) {
+            let movers = &self.movers;
+            let found = dispatch!(level, simd => turning::roots_of(simd, movers, indices));
+            for (lane, &i) in indices.iter().enumerate().filter(|(_, i)| self.joints.has(**i + 1)) {
+                let (mover, body) = (&mut self.movers[i as usize], i as usize + 1);
+                let of_lane = |lanes: &[Lane; 6]| lanes.map(|lanes| lanes[lane]);
+                mover.weigh(of_lane(&found.root), of_lane(&found.inverse), &mut self.displacements[body]);
+                self.roots[body] = mover.inverse_root_record();
+                self.velocities[body] = mover.record();
+                self.before[body] = self.velocities[body];
             }
-            mover.weigh(&mut self.displacements[i + 1]);
-            self.roots[i + 1] = mover.inverse_root_record();
-            self.velocities[i + 1] = mover.record();
-            self.before[i + 1] = self.velocities[i + 1];
         }
         let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
         let (old, new) = (&self.old_roots[..], &self.roots[..]);
@@ -276,10 +288,33 @@ impl Batch {
         }
     }
 
-    fn end(&mut self) {
+    fn end(&mut self, level: Level) {
         for (i, mover) in self.movers.iter_mut().enumerate() {
             let change = mover.take(&self.before[i + 1], &self.velocities[i + 1]);
             self.carried[i + 1] = sum(&self.carried[i + 1], &change);
+        }
+        self.find_spins(level);
+    }
+
+    /// ω = I⁻¹L where L has changed.
+    fn find_spins(&mut self, level: Level) {
+        let (movers, uneven) = (&mut self.movers, &self.uneven);
+        dispatch!(level, simd => spins_of(simd, movers, uneven));
+        for mover in movers {
+            mover.find_spin();
+        }
+    }
+
+    /// Rotations after `h` seconds.
+    fn turn(&mut self, level: Level, scheme: RotationScheme, h: f32) {
+        let (movers, uneven) = (&mut self.movers, &self.uneven);
+        if scheme != RotationScheme::Splitting {
+            movers.iter_mut().for_each(|mover| mover.turn(scheme, h));
+            return;
+        }
+        dispatch!(level, simd => turns_of(simd, movers, uneven, h));
+        for mover in movers.iter_mut().filter(|mover| mover.spin().is_isotropic()) {
+            mover.turn(scheme, h);
         }
     }
 
@@ -361,6 +396,20 @@ impl Batch {
 
 fn sum(a: &Record, b: &Record) -> Record {
     Record(std::array::from_fn(|k| a.0[k] + b.0[k]))
+}
+
+#[inline(always)]
+fn spins_of<S: Simd>(simd: S, movers: &mut [Mover], uneven: &[u32]) {
+    for indices in uneven.chunks(LANES) {
+        turning::find_spins(simd, movers, indices);
+    }
+}
+
+#[inline(always)]
+fn turns_of<S: Simd>(simd: S, movers: &mut [Mover], uneven: &[u32], h: f32) {
+    for indices in uneven.chunks(LANES) {
+        turning::turn(simd, movers, indices, h);
+    }
 }
 
 #[inline(always)]

@@ -36,9 +36,9 @@ pub fn turn<S: Simd>(simd: S, block: &mut JointBlock, poses: &[Record], roots: &
     let at = poses_of(simd, block, poses);
     let roots = [Symmetric::gather(simd, roots, &block.bodies[0]), Symmetric::gather(simd, roots, &block.bodies[1])];
     if block.parts.drags {
-        for side in 0..2 {
-            roots[side].upper.store(&mut block.inertia[side][0]);
-            roots[side].lower.store(&mut block.inertia[side][1]);
+        for (root, lanes) in roots.iter().zip(&mut block.inertia) {
+            root.upper.store(&mut lanes[0]);
+            root.lower.store(&mut lanes[1]);
         }
     }
     at.arm_a.store(&mut block.arms[0]);
