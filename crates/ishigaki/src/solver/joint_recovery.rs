@@ -85,7 +85,7 @@ pub fn choose_recovery(plan: &mut Plan, trees: bool) {
             for body in [row.body_a, row.body_b] {
                 let body = &mut plan.bodies[body as usize];
                 // Trees of a net are solved at once, with stiffness that is taken from the inertia anew.
-                body.keeps_rows = !body.in_net;
+                body.keeps_rows = body.moves() && !body.in_net;
             }
         }
     }

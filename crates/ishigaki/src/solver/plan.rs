@@ -8,7 +8,7 @@ use crate::constraint::contact::{self, Layout, Surface};
 use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
 use crate::constraint::row::RowSpec;
-use crate::math::{Mat3, Vec3};
+use crate::math::Mat3;
 use crate::options::{Permutation, SolverOptions};
 use crate::solver::block::{self, Block};
 use crate::solver::hand_down::HandDown;
@@ -216,10 +216,9 @@ impl World {
         let scale = self.warm_start_scale(dt) / plan.share;
         let step = self.joint_step(dt / plan.substeps as f32);
         for (slot, joint) in self.joints.iter_mut() {
-            let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
-            let (body_a, body_b) = (plan.index_of[a as usize], plan.index_of[b as usize]);
-            let (a, b) = (self.bodies.at(a), self.bodies.at(b));
             let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
+            let [body_a, body_b] = ends.map(|slot| plan.index_of[slot as usize]);
+            let [a, b] = ends.map(|slot| self.bodies.at(slot));
             let is_wide = ends.iter().any(|&slot| plan.wide.takes(slot));
             if is_wide || !(a.is_active() || b.is_active()) || a.broken || b.broken {
                 continue;
@@ -228,7 +227,7 @@ impl World {
             joint.resolved.rows(&joint.definition.kind, &a.frame(), &b.frame(), &step, &mut plan.specs);
             for body in [body_a, body_b] {
                 let body = &mut plan.bodies[body as usize];
-                body.shares_joints = body.jointed && body.inverse_mass != Vec3::ZERO;
+                body.shares_joints = body.jointed && body.moves();
                 body.jointed = true;
             }
             let first = plan.rows.len() as u32;
@@ -259,7 +258,9 @@ impl World {
             };
             for (m, manifold) in contact.manifolds.iter().enumerate() {
                 for body in [body_a, body_b] {
-                    plan.bodies[body as usize].touched = true;
+                    let body = &mut plan.bodies[body as usize];
+                    // What does not move passes nothing on to others that touch it or hang from it.
+                    body.touched = body.moves();
                 }
                 let first = plan.rows.len() as u32;
                 plan.manifolds.push(ManifoldRows {

@@ -77,6 +77,11 @@ impl SolverBody {
 }
 
 impl SolverBody {
+    /// Forces can move it.
+    pub fn moves(&self) -> bool {
+        self.inverse_mass != Vec3::ZERO
+    }
+
     /// How far it turned since its inertia was taken, rad.
     pub fn turned_since_inertia(&self) -> f32 {
         (self.turn - self.turn_of_inertia).length()
