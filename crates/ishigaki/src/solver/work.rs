@@ -14,11 +14,33 @@ pub const VISIT: u64 = VELOCITY + APPLY + 3;
 pub const RESPONSE: u64 = 24;
 /// J · (M⁻¹J'ᵀ) of two rows of the same two bodies.
 pub const INNER: u64 = 9;
-/// A visit to a manifold of `count` points in the wide path: relative velocity and pushes are shared by its normals.
-pub const fn wide_visit(count: u64, passes: u64) -> u64 {
-    let normals = 18 + count * 12 + passes * count * (count + 1);
-    let disk = 6 + 2 * 9 + 14 + 2 * 12;
-    normals + count * disk
+/// What manifolds cost in the wide path.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Manifolds {
+    /// A visit: relative velocity and pushes are shared by the normals.
+    pub visit: u64,
+    /// Rows from arms: J', K.
+    pub rows: u64,
+    /// Rows anew for other inertias.
+    pub reweighing: u64,
+    /// u' += J'ᵀλ.
+    pub warm_start: u64,
+    /// Biases before and after the motion, and how far from rest they are.
+    pub looks: u64,
+}
+
+impl Manifolds {
+    /// A manifold of `count` points more; `passes` over its normals in a visit.
+    pub fn add(&mut self, count: u64, passes: u64) {
+        let normals = 18 + count * 12 + passes * count * (count + 1);
+        let disk = 6 + 2 * 9 + 14 + 2 * 12;
+        let inner = (3 + 1) * INNER * count + count * (count - 1) / 2 * INNER;
+        self.visit += normals + count * disk;
+        self.rows += count * 3 * (12 + 18) + inner;
+        self.reweighing += count * 3 * (18 + 18) + inner;
+        self.warm_start += count * 3 * APPLY;
+        self.looks += 2 * 6 + count * (2 * VELOCITY + 3 * VELOCITY + 8);
+    }
 }
 
 /// A visit to the point of a ball joint in the wide path: the linear part of its rows is a unit vector each.

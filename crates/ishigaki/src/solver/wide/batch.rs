@@ -12,7 +12,7 @@ use crate::options::{FrictionModel, SolverOptions, WorldOptions};
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, prepare};
 use crate::solver::wide::joints::Joints;
-use crate::solver::wide::lanes::{LANES, Lane, Record};
+use crate::solver::wide::lanes::{LANES, Lane, Record, set};
 use crate::solver::wide::mover::Mover;
 use crate::solver::{slop, weight_amplification};
 use crate::world::JointState;
@@ -332,8 +332,4 @@ impl Batch {
         (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
         (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
     }
-}
-
-fn set(lanes: &mut [Lane; 3], lane: usize, v: Vec3) {
-    (lanes[0][lane], lanes[1][lane], lanes[2][lane]) = (v.x, v.y, v.z);
 }

@@ -12,7 +12,7 @@ use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
 use crate::motion;
 use crate::solver::wide::joint_block::{self as kernel, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST};
-use crate::solver::wide::lanes::{LANES, Lane3, Record};
+use crate::solver::wide::lanes::{LANES, Record, get, set};
 use crate::solver::wide::mover::Mover;
 use crate::solver::wide::turning;
 use crate::solver::work;
@@ -34,6 +34,17 @@ pub struct JointPlace {
     lane: u32,
 }
 
+/// Multiply-adds of joints, counted once a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct JointWork {
+    /// Of a sweep.
+    pub sweep: u64,
+    /// Of a sweep of the recovery by poses.
+    pub recovery: u64,
+    /// Of rows at a pose.
+    pub rows: u64,
+}
+
 /// All joints of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
@@ -52,8 +63,8 @@ pub struct Joints {
     pushes: Vec<Record>,
     waves: Vec<u32>,
     counts: Vec<[u32; Parts::KINDS]>,
-    /// Ends of ranges at work when the step began.
-    bearing_ends: u64,
+    /// Multiply-adds of a sweep, of one of the recovery by poses, and of rows at a pose.
+    pub work: JointWork,
 }
 
 /// Whether the lanes have rows for it.
@@ -108,16 +119,19 @@ fn each_impulse(ball: &BallParts, block: &mut JointBlock, lane: usize, mut visit
     (0..3).for_each(|k| visit(&mut block.lambda[k][lane], &mut block.total[k][lane]));
 }
 
-fn set(lanes: &mut Lane3, lane: usize, v: Vec3) {
-    (lanes[0][lane], lanes[1][lane], lanes[2][lane]) = (v.x, v.y, v.z);
-}
-
-fn get(lanes: &Lane3, lane: usize) -> Vec3 {
-    Vec3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane])
-}
-
 fn pose_record(center: Vec3, rotation: Quat) -> Record {
     Record([center.x, center.y, center.z, 0.0, rotation.x, rotation.y, rotation.z, rotation.w])
+}
+
+impl JointWork {
+    /// A joint more, with so many ends of ranges at work when the step began.
+    fn add(&mut self, parts: Parts, bearing: u64) {
+        let Parts { ranges, drags } = parts;
+        let ends = if ranges { 3 * work::TURN_VISIT } else { 0 } + bearing * (work::POINT + work::FREE_PART);
+        self.recovery += work::POINT + ends;
+        self.sweep += work::POINT + ends + if drags { 6 * work::TURN_VISIT } else { 0 };
+        self.rows += work::POINT_ROWS + if ranges { work::RANGE_ROWS } else { 0 };
+    }
 }
 
 impl Joints {
@@ -128,6 +142,7 @@ impl Joints {
         self.blocks.clear();
         self.waves.clear();
         self.rows = 0;
+        self.work = JointWork::default();
     }
 
     /// There are none.
@@ -168,7 +183,7 @@ impl Joints {
         self.poses.append(&mut self.still);
         self.spins.clear();
         self.spins.resize(movers.len() + 1, Record::default());
-        self.bearing_ends = 0;
+        self.work = JointWork::default();
         for p in 0..self.places.len() {
             self.fill(p, movers, joints, h, scale);
         }
@@ -245,24 +260,9 @@ impl Joints {
         }
         let mut stored = joint.lambdas.iter();
         each_impulse(&ball, block, lane, |lambda, _| *lambda = scale * stored.next().copied().unwrap_or(0.0));
-        for (range, end) in kernel::ENDS {
-            self.bearing_ends += u64::from(block.ranges[range].lambda[end][lane] > 0.0);
-        }
-    }
-
-    /// Multiply-adds of a sweep.
-    pub fn sweep_work(&self) -> u64 {
-        let parts = self.places.iter().map(|place| {
-            let Parts { ranges, drags } = Parts::of_kind(place.kind);
-            work::POINT + if ranges { 3 * work::TURN_VISIT } else { 0 } + if drags { 6 * work::TURN_VISIT } else { 0 }
-        });
-        parts.sum::<u64>() + self.bearing_ends * (work::POINT + work::FREE_PART)
-    }
-
-    /// Multiply-adds of rows at a pose.
-    pub fn turn_work(&self) -> u64 {
-        let ranges = self.places.iter().filter(|place| Parts::of_kind(place.kind).ranges).count() as u64;
-        self.places.len() as u64 * work::POINT_ROWS + ranges * work::RANGE_ROWS
+        let bears = |&(range, end): &(usize, usize)| block.ranges[range].lambda[end][lane] > 0.0;
+        let bearing = kernel::ENDS.iter().filter(|end| bears(end)).count() as u64;
+        self.work.add(block.parts, bearing);
     }
 
     /// Takes over where the movers are.

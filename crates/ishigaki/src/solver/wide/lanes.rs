@@ -3,6 +3,7 @@
 //! Storage is always eight lanes wide; a machine with four computes each half in turn. A lane never looks at its
 //! neighbors and nothing is fused, so that every width gives the same bits.
 
+use crate::math::Vec3;
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x4, f32x8};
 
@@ -27,6 +28,16 @@ pub struct V3<S: Simd> {
     pub y: f32x8<S>,
     /// z of each lane.
     pub z: f32x8<S>,
+}
+
+/// Puts a vector into a lane.
+pub fn set(lanes: &mut Lane3, lane: usize, v: Vec3) {
+    (lanes[0][lane], lanes[1][lane], lanes[2][lane]) = (v.x, v.y, v.z);
+}
+
+/// The vector of a lane.
+pub fn get(lanes: &Lane3, lane: usize) -> Vec3 {
+    Vec3::new(lanes[0][lane], lanes[1][lane], lanes[2][lane])
 }
 
 /// Reads eight numbers.

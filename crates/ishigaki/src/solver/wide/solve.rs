@@ -59,7 +59,8 @@ impl World {
             warm: solver.warm_start.enabled,
         };
         let mut order = Order::for_sweeps(sweeps);
-        let sweep_work = batch.sweep_work(u64::from(pass.passes));
+        let work = batch.manifold_work(u64::from(pass.passes));
+        batch.outcome.work += work.rows;
         let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
         aid.manifolds.clear();
         batch.aim_joints(level, h);
@@ -71,6 +72,7 @@ impl World {
             if !is_free {
                 if substep == 0 || batch.pushes_anew() {
                     batch.warm_start(level);
+                    batch.outcome.work += work.warm_start;
                 }
                 batch.measure(level, &pass);
                 let is_calm = self.correct_batch(batch, aid, &pass);
@@ -88,7 +90,10 @@ impl World {
             }
             self.move_batch(level, batch, h);
             if !is_free {
-                self.recover_batch_joints(level, batch, order.reversed, h);
+                if !batch.joints.is_empty() {
+                    batch.outcome.work += work.reweighing;
+                    self.recover_batch_joints(level, batch, order.reversed, h);
+                }
                 batch.relax(level, &pass, is_last);
                 for sweep in 0..relax_sweeps {
                     order.before(sweeps + sweep);
@@ -100,7 +105,8 @@ impl World {
             if !pass.warm {
                 batch.forget();
             }
-            batch.outcome.work += u64::from(sweeps + relax_sweeps) * sweep_work;
+            batch.outcome.work +=
+                u64::from(sweeps + relax_sweeps) * (work.visit + batch.joints.work.sweep) + work.looks;
         }
         batch.see_joints(level);
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
@@ -168,9 +174,6 @@ impl World {
 
     /// Rows of joints for the poses after the motion, and the recovery of their errors.
     fn recover_batch_joints(&self, level: Level, batch: &mut Batch, reversed: bool, h: f32) {
-        if batch.joints.is_empty() {
-            return;
-        }
         batch.weigh(level);
         batch.aim_joints(level, h);
         let recovery = &self.options.solver.joint_recovery;
@@ -179,7 +182,7 @@ impl World {
             let (movers, ways) = (&mut batch.movers, &mut batch.displacements);
             batch.joints.recover(level, movers, ways, &pass, reversed, h);
             batch.find_spins(level);
-            batch.outcome.work += batch.joints.sweep_work();
+            batch.outcome.work += batch.joints.work.recovery;
             for (i, mover) in batch.movers.iter().enumerate() {
                 batch.velocities[i + 1] = mover.record();
                 batch.before[i + 1] = batch.velocities[i + 1];
@@ -254,7 +257,7 @@ impl Batch {
             self.joints.follow(&self.movers);
             self.joints.turn(level, &self.roots);
             self.joints.look_ahead(level, &self.movers, &self.uneven, h);
-            self.outcome.work += self.joints.turn_work();
+            self.outcome.work += self.joints.work.rows;
         }
     }
 
@@ -387,10 +390,10 @@ impl Batch {
         of_contacts.max(self.joints.residual(level, velocities, joints))
     }
 
-    /// Multiply-adds of a sweep.
-    fn sweep_work(&self, passes: u64) -> u64 {
-        let contacts: u64 = self.places.iter().map(|p| work::wide_visit(p.size.points() as u64, passes)).sum();
-        contacts + self.joints.sweep_work()
+    fn manifold_work(&self, passes: u64) -> work::Manifolds {
+        let mut sum = work::Manifolds::default();
+        self.places.iter().for_each(|place| sum.add(place.size.points() as u64, passes));
+        sum
     }
 }
 
