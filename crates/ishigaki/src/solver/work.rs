@@ -25,7 +25,9 @@ pub struct Manifolds {
     pub reweighing: u64,
     /// u' += J'ᵀλ.
     pub warm_start: u64,
-    /// Biases before and after the motion, and how far from rest they are.
+    /// Biases before and after the motion.
+    pub measures: u64,
+    /// How far from rest they are.
     pub looks: u64,
 }
 
@@ -39,7 +41,8 @@ impl Manifolds {
         self.rows += count * 3 * (12 + 18) + inner;
         self.reweighing += count * 3 * (18 + 18) + inner;
         self.warm_start += count * 3 * APPLY;
-        self.looks += 2 * 6 + count * (2 * VELOCITY + 3 * VELOCITY + 8);
+        self.measures += 2 * 6 + count * 2 * VELOCITY;
+        self.looks += count * (3 * VELOCITY + 8);
     }
 }
 

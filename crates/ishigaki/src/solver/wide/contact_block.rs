@@ -316,24 +316,32 @@ fn row_of<S: Simd>(simd: S, direction: V3<S>, angular_a: &Lane3, angular_b: &Lan
     RowLanes { direction, angular_a: V3::load(simd, angular_a), angular_b: V3::load(simd, angular_b) }
 }
 
-/// Biases of the normals for the displacements as they are; with `RELAX` without recovery, with `LAST`
-/// they become the separations that are stored.
+/// What becomes of the biases of the normals before a visit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Biases {
+    /// They stay.
+    Keep,
+    /// For the displacements as they are, with recovery.
+    Recover,
+    /// Without recovery: the motion has been.
+    Relax,
+    /// Without recovery, and what is found becomes the separations that are stored.
+    RelaxLast,
+}
+
+/// Biases of the normals for the displacements as they are.
 #[inline(always)]
-pub fn measure<S: Simd, const RELAX: bool, const LAST: bool>(
-    simd: S,
-    block: &mut ContactBlock,
-    displacements: &[Record],
-    pass: &SweepPass,
-) {
-    by_size!(block.size, N => measure_points::<S, RELAX, LAST, N>(simd, block, displacements, pass))
+pub fn measure<S: Simd>(simd: S, block: &mut ContactBlock, displacements: &[Record], pass: &SweepPass, biases: Biases) {
+    by_size!(block.size, N => measure_points::<S, N>(simd, block, displacements, pass, biases))
 }
 
 #[inline(always)]
-fn measure_points<S: Simd, const RELAX: bool, const LAST: bool, const N: usize>(
+fn measure_points<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
     displacements: &[Record],
     pass: &SweepPass,
+    biases: Biases,
 ) {
     let n = V3::load(simd, &block.normal);
     let moved = Sides::gather(simd, displacements, &block.body_a, &block.body_b);
@@ -345,16 +353,15 @@ fn measure_points<S: Simd, const RELAX: bool, const LAST: bool, const N: usize>(
         let s = load(simd, &p.separation) + row.velocity(relative, &moved);
         let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
         let gap = positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h;
-        let overlap = if RELAX {
-            zero
-        } else {
+        let mut overlap = zero;
+        if biases == Biases::Recover {
             let excess = positive(simd, -s - splat(simd, pass.recovery.slop));
             let push = splat(simd, pass.recovery.rate) * excess / h;
             let fastest = splat(simd, pass.recovery.max_speed);
-            -push.simd_lt(fastest).select(push, fastest)
-        };
+            overlap = -push.simd_lt(fastest).select(push, fastest);
+        }
         store(s.simd_gt(zero).select(gap, overlap), &mut p.bias);
-        if LAST {
+        if biases == Biases::RelaxLast {
             store(s, &mut p.separation);
         }
     }

@@ -12,7 +12,7 @@ mod turn;
 mod visit;
 
 pub use turn::{look_ahead, see, turn};
-pub use visit::{add_up, forget_pushes, residual, visit, warm_start};
+pub use visit::{add_up, residual, visit, warm_start};
 
 const ZERO: Lane = [0.0; LANES];
 const ZERO3: Lane3 = [ZERO; 3];
@@ -136,7 +136,7 @@ pub struct JointBlock {
 
 impl JointBlock {
     /// Eight joints that do nothing.
-    const EMPTY: Self = Self {
+    pub const EMPTY: Self = Self {
         bodies: [[0; LANES]; 2],
         poses: [[0; LANES]; 2],
         root: [ZERO; 2],
@@ -169,9 +169,16 @@ impl JointBlock {
         }; 2],
     };
 
-    /// Eight joints that do nothing yet, with these parts.
-    pub fn empty(parts: Parts) -> Self {
-        Self { parts, ..Self::EMPTY }
+    /// Before all its lanes are filled: what not every joint has is emptied.
+    pub fn begin(&mut self, parts: Parts) {
+        self.parts = parts;
+        (self.root, self.total) = (Self::EMPTY.root, Self::EMPTY.total);
+        if parts.ranges {
+            self.ranges = Self::EMPTY.ranges;
+        }
+        if parts.drags {
+            self.drags = Self::EMPTY.drags;
+        }
     }
 
     /// The world axis of a range's angle in a lane.

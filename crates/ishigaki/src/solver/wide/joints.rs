@@ -139,7 +139,6 @@ impl Joints {
     pub fn clear(&mut self) {
         self.places.clear();
         self.still.clear();
-        self.blocks.clear();
         self.waves.clear();
         self.rows = 0;
         self.work = JointWork::default();
@@ -175,6 +174,7 @@ impl Joints {
     /// Waves and blocks, for substeps of `h` seconds; `scale` makes first impulses of stored ones.
     pub(crate) fn build(&mut self, movers: &[Mover], joints: &Arena<JointState>, h: f32, scale: f32) {
         if self.is_empty() {
+            self.blocks.clear();
             return;
         }
         self.make_waves(movers.len());
@@ -211,18 +211,33 @@ impl Joints {
             place.lane = *count;
             *count += 1;
         }
-        for of_wave in &mut self.counts {
-            for (kind, count) in of_wave.iter_mut().enumerate() {
-                let first = self.blocks.len();
-                let block = JointBlock::empty(Parts::of_kind(kind));
-                self.blocks.resize(first + count.div_ceil(LANES as u32) as usize, block);
-                *count = first as u32;
-            }
-        }
+        self.make_blocks();
         for place in &mut self.places {
             place.block = self.counts[place.wave as usize][place.kind] + place.lane / LANES as u32;
             place.lane %= LANES as u32;
         }
+    }
+
+    /// Blocks for what was counted. Full ones are written over, but for what not every joint has; those with lanes that
+    /// nothing fills are emptied.
+    fn make_blocks(&mut self) {
+        let mut first = 0;
+        for of_wave in &mut self.counts {
+            for (kind, count) in of_wave.iter_mut().enumerate() {
+                let parts = Parts::of_kind(kind);
+                let end = first + count.div_ceil(LANES as u32) as usize;
+                if self.blocks.len() < end {
+                    self.blocks.resize(end, JointBlock::EMPTY);
+                }
+                if !count.is_multiple_of(LANES as u32) {
+                    self.blocks[end - 1] = JointBlock::EMPTY;
+                }
+                self.blocks[first..end].iter_mut().for_each(|block| block.begin(parts));
+                *count = first as u32;
+                first = end;
+            }
+        }
+        self.blocks.truncate(first);
     }
 
     fn fill(&mut self, index: usize, movers: &[Mover], joints: &Arena<JointState>, h: f32, scale: f32) {
@@ -266,27 +281,23 @@ impl Joints {
     }
 
     /// Takes over where the movers are.
-    pub fn follow(&mut self, movers: &[Mover]) {
+    fn follow(&mut self, movers: &[Mover]) {
         for (pose, mover) in self.poses[1..].iter_mut().zip(movers) {
             *pose = pose_record(mover.center(), mover.rotation());
         }
     }
 
-    /// Rows for the poses as they are.
-    pub fn turn(&mut self, level: Level, roots: &[Record]) {
-        let (blocks, poses) = (&mut self.blocks, &self.poses);
-        dispatch!(level, simd => turn_all(simd, blocks, poses, roots));
-    }
-
-    /// What the way along arcs will add to gaps in `h` seconds.
-    pub fn look_ahead(&mut self, level: Level, movers: &[Mover], uneven: &[u32], h: f32) {
+    /// Rows for the poses as they are, and what the way along arcs will add to gaps in `h` seconds. `roots` holds I^−½
+    /// of all bodies, `uneven` names the movers whose moments of inertia are not all the same.
+    pub fn aim(&mut self, level: Level, movers: &[Mover], roots: &[Record], uneven: &[u32], h: f32) {
+        self.follow(movers);
         for (spin, mover) in self.spins[1..].iter_mut().zip(movers) {
             let w = mover.angular_velocity();
             *spin = Record([w.x, w.y, w.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
         }
-        let (blocks, spins) = (&mut self.blocks, &mut self.spins);
+        let (blocks, poses, spins) = (&mut self.blocks, &self.poses, &mut self.spins);
         dispatch!(level, simd => gyrations_of(simd, movers, uneven, spins));
-        dispatch!(level, simd => look_ahead_all(simd, blocks, spins, h));
+        dispatch!(level, simd => aim_all(simd, blocks, poses, roots, spins, h));
     }
 
     /// u' += J'ᵀλ.
@@ -295,13 +306,13 @@ impl Joints {
         dispatch!(level, simd => warm_start_all(simd, blocks, velocities));
     }
 
-    /// A visit to each joint.
-    pub fn sweep(&mut self, level: Level, velocities: &mut [Record], pass: &JointPass, reversed: bool) {
+    /// A visit to each joint; with `add_up` λ is what the substep leaves.
+    pub fn sweep(&mut self, level: Level, velocities: &mut [Record], pass: &JointPass, reversed: bool, add_up: bool) {
         let blocks = &mut self.blocks[..];
         if reversed {
-            dispatch!(level, simd => sweep::<_, true>(simd, blocks, velocities, pass));
+            dispatch!(level, simd => sweep::<_, true>(simd, blocks, velocities, pass, add_up));
         } else {
-            dispatch!(level, simd => sweep::<_, false>(simd, blocks, velocities, pass));
+            dispatch!(level, simd => sweep::<_, false>(simd, blocks, velocities, pass, add_up));
         }
     }
 
@@ -317,9 +328,8 @@ impl Joints {
     ) {
         self.pushes.clear();
         self.pushes.resize(movers.len() + 1, Record::default());
-        self.blocks.iter_mut().for_each(kernel::forget_pushes);
         let mut pushes = std::mem::take(&mut self.pushes);
-        self.sweep(level, &mut pushes, pass, reversed);
+        self.sweep(level, &mut pushes, pass, reversed, false);
         for ((mover, push), way) in movers.iter_mut().zip(&pushes[1..]).zip(&mut displacements[1..]) {
             if *push != Record::default() {
                 mover.shift(push, h);
@@ -351,7 +361,8 @@ impl Joints {
     }
 
     /// Errors at the end of the step.
-    pub fn see(&mut self, level: Level) {
+    pub fn see(&mut self, level: Level, movers: &[Mover]) {
+        self.follow(movers);
         let (blocks, poses) = (&mut self.blocks, &self.poses);
         dispatch!(level, simd => see_all(simd, blocks, poses));
     }
@@ -398,9 +409,10 @@ impl Mover {
 }
 
 #[inline(always)]
-fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record], roots: &[Record]) {
+fn aim_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record], roots: &[Record], spins: &[Record], h: f32) {
     for block in blocks {
         kernel::turn(simd, block, poses, roots);
+        kernel::look_ahead(simd, block, spins, h);
     }
 }
 
@@ -408,13 +420,6 @@ fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record], roots
 fn gyrations_of<S: Simd>(simd: S, movers: &[Mover], uneven: &[u32], spins: &mut [Record]) {
     for indices in uneven.chunks(LANES) {
         turning::find_gyrations(simd, movers, indices, spins);
-    }
-}
-
-#[inline(always)]
-fn look_ahead_all<S: Simd>(simd: S, blocks: &mut [JointBlock], spins: &[Record], h: f32) {
-    for block in blocks {
-        kernel::look_ahead(simd, block, spins, h);
     }
 }
 
@@ -431,11 +436,15 @@ fn sweep<S: Simd, const REVERSED: bool>(
     blocks: &mut [JointBlock],
     velocities: &mut [Record],
     pass: &JointPass,
+    add_up: bool,
 ) {
     let n = blocks.len();
     for i in 0..n {
         let k = if REVERSED { n - 1 - i } else { i };
         kernel::visit::<S, REVERSED>(simd, &mut blocks[k], velocities, pass);
+        if add_up {
+            kernel::add_up(simd, &mut blocks[k]);
+        }
     }
 }
 

@@ -12,8 +12,8 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::Plan;
 use crate::solver::slop;
 use crate::solver::wide::Wide;
-use crate::solver::wide::batch::{Batch, Outcome};
-use crate::solver::wide::contact_block::{self as kernel, SweepPass};
+use crate::solver::wide::batch::{Batch, IslandState, Outcome};
+use crate::solver::wide::contact_block::{self as kernel, Biases, SweepPass};
 use crate::solver::wide::joint_block::JointPass;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::{MotionLimits, Mover};
@@ -62,6 +62,7 @@ impl World {
         let work = batch.manifold_work(u64::from(pass.passes));
         batch.outcome.work += work.rows;
         let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
+        let looks = !is_free && (substeps < solver_substeps || self.has_stacks(batch));
         aid.manifolds.clear();
         batch.aim_joints(level, h);
         for substep in 0..substeps {
@@ -74,15 +75,19 @@ impl World {
                     batch.warm_start(level);
                     batch.outcome.work += work.warm_start;
                 }
-                batch.measure(level, &pass);
-                let is_calm = self.correct_batch(batch, aid, &pass);
-                if is_calm && substeps < solver_substeps {
-                    // The impulses are found: one sweep keeps them so.
-                    (sweeps, order) = (2, Order::for_sweeps(2));
+                if looks {
+                    batch.look(level, &pass);
+                    batch.outcome.work += work.looks;
+                    let is_calm = self.correct_batch(batch, aid, &pass);
+                    if is_calm && substeps < solver_substeps {
+                        // The impulses are found: one sweep keeps them so.
+                        (sweeps, order) = (2, Order::for_sweeps(2));
+                    }
                 }
                 for sweep in 0..sweeps {
                     order.before(sweep);
-                    batch.sweep(level, &pass, &velocity, order.reversed);
+                    let biases = if sweep == 0 && !looks { Biases::Recover } else { Biases::Keep };
+                    batch.sweep(level, &pass, &velocity, Visits { reversed: order.reversed, biases, add_up: false });
                 }
                 if is_last && self.options.report.residual {
                     batch.outcome.residual = batch.residual(level, &velocity);
@@ -94,22 +99,39 @@ impl World {
                     batch.outcome.work += work.reweighing;
                     self.recover_batch_joints(level, batch, order.reversed, h);
                 }
-                batch.relax(level, &pass, is_last);
+                let relax = if is_last { Biases::RelaxLast } else { Biases::Relax };
                 for sweep in 0..relax_sweeps {
                     order.before(sweeps + sweep);
-                    batch.sweep(level, &pass, &JointPass::relax(h), order.reversed);
+                    let biases = if sweep == 0 { relax } else { Biases::Keep };
+                    let visits = Visits { reversed: order.reversed, biases, add_up: sweep + 1 == relax_sweeps };
+                    batch.sweep(level, &pass, &JointPass::relax(h), visits);
                 }
-                batch.add_up(level);
+                if relax_sweeps == 0 {
+                    batch.leave(level, &pass, relax);
+                }
             }
             batch.end(level);
             if !pass.warm {
                 batch.forget();
             }
             batch.outcome.work +=
-                u64::from(sweeps + relax_sweeps) * (work.visit + batch.joints.work.sweep) + work.looks;
+                u64::from(sweeps + relax_sweeps) * (work.visit + batch.joints.work.sweep) + work.measures;
         }
         batch.see_joints(level);
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
+    }
+
+    /// Whether there are loads that corrections may be for. Loads that hang on joints are not seen by them.
+    fn has_stacks(&self, batch: &Batch) -> bool {
+        let may_be = |island: &IslandState| island.levels > 1 && !self.pauses(batch, island);
+        batch.joints.is_empty() && self.corrects_levels() && batch.islands.iter().any(may_be)
+    }
+
+    /// Whether corrections leave an island alone for now.
+    fn pauses(&self, batch: &Batch, island: &IslandState) -> bool {
+        island.first_body == u32::MAX
+            || self.bodies.at(island.first_body).no_correction_until > self.step_count
+            || batch.outcome.pauses.contains(&island.first_body)
     }
 
     /// Corrects the loads of stacks that are not at rest; whether there were none.
@@ -121,11 +143,7 @@ impl World {
         for island in &batch.islands {
             let is_calm = island.unrest <= level_correction::CALM * island.load * g * pass.h;
             all_calm &= is_calm;
-            let pauses = island.first_body == u32::MAX
-                || self.bodies.at(island.first_body).no_correction_until > self.step_count
-                || batch.outcome.pauses.contains(&island.first_body);
-            // Loads that hang on joints are not seen by corrections of contacts.
-            wanted.push(!is_calm && !pauses && island.levels > 1 && batch.joints.is_empty());
+            wanted.push(!is_calm && island.levels > 1 && !self.pauses(batch, island));
         }
         if self.options.solver.hand_down.enabled && self.corrects_levels() {
             self.hand_down_dear(batch, &mut aid.hand_down, &mut wanted, pass);
@@ -236,6 +254,15 @@ impl Order {
     }
 }
 
+/// What a sweep does beside its visits.
+#[derive(Clone, Copy)]
+struct Visits {
+    reversed: bool,
+    biases: Biases,
+    /// λ is what the substep leaves.
+    add_up: bool,
+}
+
 impl Batch {
     fn begin(&mut self, h: f32) {
         let anew = self.pushes_anew();
@@ -254,9 +281,7 @@ impl Batch {
     /// Rows of joints for the poses as they are, and what arcs will add to their gaps in `h` seconds.
     fn aim_joints(&mut self, level: Level, h: f32) {
         if !self.joints.is_empty() {
-            self.joints.follow(&self.movers);
-            self.joints.turn(level, &self.roots);
-            self.joints.look_ahead(level, &self.movers, &self.uneven, h);
+            self.joints.aim(level, &self.movers, &self.roots, &self.uneven, h);
             self.outcome.work += self.joints.work.rows;
         }
     }
@@ -286,8 +311,7 @@ impl Batch {
     /// Errors of joints at the end of the step.
     fn see_joints(&mut self, level: Level) {
         if !self.joints.is_empty() {
-            self.joints.follow(&self.movers);
-            self.joints.see(level);
+            self.joints.see(level, &self.movers);
         }
     }
 
@@ -338,11 +362,11 @@ impl Batch {
     }
 
     /// Biases of the rows; loads and unrest of the islands.
-    fn measure(&mut self, level: Level, pass: &SweepPass) {
+    fn look(&mut self, level: Level, pass: &SweepPass) {
         let (blocks, displacements) = (&mut self.blocks, &self.displacements);
         let (velocities, unrest) = (&self.velocities, &mut self.unrest);
         unrest.clear();
-        dispatch!(level, simd => measure_all(simd, blocks, displacements, velocities, pass, unrest));
+        dispatch!(level, simd => look_at_all(simd, blocks, displacements, velocities, pass, unrest));
         for island in &mut self.islands {
             (island.load, island.unrest) = (0.0, 0.0);
         }
@@ -354,33 +378,23 @@ impl Batch {
         }
     }
 
-    /// Biases at the poses after the motion; those of the last motion become the separations that are stored.
-    fn relax(&mut self, level: Level, pass: &SweepPass, is_last: bool) {
-        let (blocks, displacements) = (&mut self.blocks[..], &self.displacements[..]);
-        if is_last {
-            dispatch!(level, simd => relax_all::<_, true>(simd, blocks, displacements, pass));
-        } else {
-            dispatch!(level, simd => relax_all::<_, false>(simd, blocks, displacements, pass));
-        }
-    }
-
-    fn add_up(&mut self, level: Level) {
-        let blocks = &mut self.blocks;
-        dispatch!(level, simd => add_up_all(simd, blocks));
+    /// The end of a substep without relax sweeps.
+    fn leave(&mut self, level: Level, pass: &SweepPass, biases: Biases) {
+        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
+        dispatch!(level, simd => leave_all(simd, blocks, displacements, pass, biases));
         self.joints.add_up(level);
     }
 
     /// Contacts, then joints; or all of it the other way around.
-    fn sweep(&mut self, level: Level, pass: &SweepPass, joints: &JointPass, reversed: bool) {
-        if reversed {
-            self.joints.sweep(level, &mut self.velocities, joints, true);
+    fn sweep(&mut self, level: Level, pass: &SweepPass, joints: &JointPass, visits: Visits) {
+        if visits.reversed {
+            self.joints.sweep(level, &mut self.velocities, joints, true, visits.add_up);
         }
-        let (blocks, scales, velocities) = (&mut self.blocks[..], &self.scales[..], &mut self.velocities[..]);
-        if reversed {
-            dispatch!(level, simd => sweep::<_, true>(simd, blocks, scales, velocities, pass));
-        } else {
-            dispatch!(level, simd => sweep::<_, false>(simd, blocks, scales, velocities, pass));
-            self.joints.sweep(level, &mut self.velocities, joints, false);
+        let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
+        let (velocities, displacements) = (&mut self.velocities[..], &self.displacements[..]);
+        dispatch!(level, simd => sweep(simd, blocks, scales, velocities, displacements, pass, visits));
+        if !visits.reversed {
+            self.joints.sweep(level, &mut self.velocities, joints, false, visits.add_up);
         }
     }
 
@@ -428,7 +442,7 @@ fn warm_start_all<S: Simd>(
 }
 
 #[inline(always)]
-fn measure_all<S: Simd>(
+fn look_at_all<S: Simd>(
     simd: S,
     blocks: &mut [kernel::ContactBlock],
     displacements: &[Record],
@@ -437,7 +451,7 @@ fn measure_all<S: Simd>(
     unrest: &mut Vec<Lane>,
 ) {
     for block in blocks {
-        kernel::measure::<S, false, false>(simd, block, displacements, pass);
+        kernel::measure(simd, block, displacements, pass, Biases::Recover);
         let mut lanes = [0.0; LANES];
         kernel::inspect(simd, block, velocities).energy.store_slice(&mut lanes);
         unrest.push(lanes);
@@ -458,36 +472,41 @@ fn reweigh_all<S: Simd>(
 }
 
 #[inline(always)]
-fn relax_all<S: Simd, const LAST: bool>(
+fn leave_all<S: Simd>(
     simd: S,
     blocks: &mut [kernel::ContactBlock],
     displacements: &[Record],
     pass: &SweepPass,
+    biases: Biases,
 ) {
     for block in blocks {
-        kernel::measure::<S, true, LAST>(simd, block, displacements, pass);
+        kernel::measure(simd, block, displacements, pass, biases);
+        kernel::add_up(simd, block);
     }
 }
 
+/// Each block comes once into the cache for all that a sweep does to it.
 #[inline(always)]
-fn sweep<S: Simd, const REVERSED: bool>(
+fn sweep<S: Simd>(
     simd: S,
     blocks: &mut [kernel::ContactBlock],
     scales: &[kernel::ScaleLanes],
     velocities: &mut [Record],
+    displacements: &[Record],
     pass: &SweepPass,
+    visits: Visits,
 ) {
     let (n, last) = (blocks.len(), scales.len() - 1);
     for i in 0..n {
-        let k = if REVERSED { n - 1 - i } else { i };
-        kernel::visit(simd, &mut blocks[k], &scales[k.min(last)], velocities, pass);
-    }
-}
-
-#[inline(always)]
-fn add_up_all<S: Simd>(simd: S, blocks: &mut [kernel::ContactBlock]) {
-    for block in blocks {
-        kernel::add_up(simd, block);
+        let k = if visits.reversed { n - 1 - i } else { i };
+        let block = &mut blocks[k];
+        if visits.biases != Biases::Keep {
+            kernel::measure(simd, block, displacements, pass, visits.biases);
+        }
+        kernel::visit(simd, block, &scales[k.min(last)], velocities, pass);
+        if visits.add_up {
+            kernel::add_up(simd, block);
+        }
     }
 }
 

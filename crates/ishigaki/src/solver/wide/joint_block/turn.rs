@@ -1,7 +1,9 @@
 //! From poses to rows.
 
 use super::{CONE, JointBlock, RangeLanes, TWIST};
-use crate::solver::wide::lanes::{Q4, Record, Sides, Symmetric, V3, atan2, gather_poses, inverse, load, splat, store};
+use crate::solver::wide::lanes::{
+    LANES, Q4, Record, Sides, Symmetric, V3, atan2, gather_poses, inverse, load, splat, store,
+};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 use std::f32::consts::{PI, TAU};
@@ -180,6 +182,8 @@ fn turn_range<S: Simd>(simd: S, range: &mut RangeLanes, angle: &Angle<S>, roots:
     store(angle.trust, &mut range.trust);
     store(a.dot(a) + b.dot(b), &mut range.k);
     range.is_free_mass_known = false;
+    // A recovery by poses begins without impulses.
+    range.pushed = [[0.0; LANES]; 2];
     store_gaps(simd, range, angle);
 }
 

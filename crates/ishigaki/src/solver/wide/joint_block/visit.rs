@@ -1,9 +1,7 @@
 //! A visit to a block, in the order of its rows or against it.
 
 use super::{DAMPING, ENDS, FRICTION, JointBlock, JointPass};
-use crate::solver::wide::lanes::{
-    LANES, Lane, Lane3, Record, Sides, Symmetric, V3, inverse, load, positive, splat, store,
-};
+use crate::solver::wide::lanes::{Lane, Lane3, Record, Sides, Symmetric, V3, inverse, load, positive, splat, store};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 
@@ -205,16 +203,6 @@ pub fn warm_start<S: Simd>(simd: S, block: &JointBlock, velocities: &mut [Record
         }
     }
     sides.scatter(simd, velocities, &block.bodies[0], &block.bodies[1]);
-}
-
-/// A recovery by poses begins without impulses.
-#[inline(always)]
-pub fn forget_pushes(block: &mut JointBlock) {
-    if block.parts.ranges {
-        for range in &mut block.ranges {
-            range.pushed = [[0.0; LANES]; 2];
-        }
-    }
 }
 
 /// Adds λ to the sums over the substeps.
