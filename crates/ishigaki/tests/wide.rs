@@ -170,7 +170,9 @@ fn joints_move_as_in_the_reference() {
 fn damped(joint: Joint) -> Joint {
     let mut joint = joint;
     if let JointKind::Ball { damping, .. } = &mut joint.kind {
-        *damping = 0.2;
+        // Whether a point sticks or slides is decided by rounding where it is at the edge of its disk, once in some hundred
+        // states: with 0.2 one of these 50 is such a state, and there the paths part by 3e-3.
+        *damping = 0.27;
     }
     joint
 }

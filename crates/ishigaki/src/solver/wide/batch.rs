@@ -13,9 +13,11 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, prepare};
 use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record, set};
-use crate::solver::wide::mover::Mover;
+use crate::solver::wide::mover::{MoverBlock, Movers};
+use crate::solver::wide::moving;
 use crate::solver::{slop, weight_amplification};
 use crate::world::JointState;
+use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
 /// Colors that are told apart; what finds none of them free gets a block of its own.
@@ -87,9 +89,7 @@ pub struct Outcome {
 #[derive(Clone, Debug, Default)]
 pub struct Batch {
     /// Bodies; their index here is one less than in the arrays of records, where 0 is the ground.
-    pub movers: Vec<Mover>,
-    /// Movers whose moments of inertia are not all the same.
-    pub uneven: Vec<u32>,
+    pub movers: Movers,
     /// u' of the ground and of all movers.
     pub velocities: Vec<Record>,
     /// u' before the sweeps.
@@ -161,8 +161,7 @@ impl Batch {
 
     /// Adds a body; its index in the records.
     pub fn add_mover(&mut self, slot: u32, body: &BodyState, gravity: Vec3) -> u32 {
-        self.movers.push(Mover::new(slot, body, gravity));
-        self.movers.len() as u32
+        self.movers.add(slot, body, gravity)
     }
 
     /// Colors, blocks, rows.
@@ -176,27 +175,32 @@ impl Batch {
         };
         let solver = &source.options.solver;
         let full = solver.substeps;
-        let at_rest = rest.enabled && self.joints.is_empty() && self.movers.iter().all(|m| rests(m.slot));
+        let at_rest = rest.enabled && self.joints.is_empty() && self.movers.slots.iter().all(|&slot| rests(slot));
         self.substeps = if at_rest { 1 } else { full };
         let source = &Source { warm_scale: source.warm_scale * full as f32 / self.substeps as f32, ..*source };
-        self.joints.build(&self.movers, source.joints, source.dt / self.substeps as f32, source.warm_scale);
-        let ground = Record::default();
-        for records in [&mut self.velocities, &mut self.before, &mut self.carried, &mut self.displacements] {
+        let h = source.dt / self.substeps as f32;
+        self.joints.build(&self.movers, source.joints, h, source.warm_scale);
+        let joints = &self.joints;
+        self.movers.begin_step(h, |body| joints.has(body));
+        for records in [
+            &mut self.velocities,
+            &mut self.before,
+            &mut self.carried,
+            &mut self.displacements,
+            &mut self.roots,
+            &mut self.old_roots,
+        ] {
             records.clear();
-            records.resize(self.movers.len() + 1, ground);
+            records.resize(self.movers.records(), Record::default());
         }
-        let is_uneven = |i: &u32| !self.movers[*i as usize].spin().is_isotropic();
-        self.uneven.clear();
-        self.uneven.extend((0..self.movers.len() as u32).filter(is_uneven));
-        self.roots.clear();
-        self.roots.push(ground);
-        self.roots.extend(self.movers.iter().map(Mover::inverse_root_record));
+        let (blocks, roots) = (&mut self.movers.blocks, &mut self.roots);
+        dispatch!(level, simd => weigh_all(simd, blocks, roots));
         self.color(source.contacts);
         self.fill(source);
         let masses_are_true = !source.options.solver.weight_amplification.enabled;
         let seeds = source.options.solver.wide.seed && source.options.solver.warm_start.enabled;
         if seeds && masses_are_true && self.joints.is_empty() {
-            self.seed(source, source.dt / self.substeps as f32);
+            self.seed(source, h);
         }
         dispatch!(level, simd => {
             for (k, block) in self.blocks.iter_mut().enumerate() {
@@ -209,7 +213,7 @@ impl Batch {
     /// Colors of the manifolds; blocks for each color and size.
     fn color(&mut self, contacts: &[Contact]) {
         self.used_colors.clear();
-        self.used_colors.resize(self.movers.len() + 1, 0);
+        self.used_colors.resize(self.movers.records(), 0);
         self.counts_of.clear();
         self.counts_of.resize(COLORS, [0; Size::ALL.len()]);
         for place in &mut self.places {
@@ -311,9 +315,8 @@ impl Batch {
         let rows = &mut self.blocks[block];
         (rows.body_a[lane], rows.body_b[lane]) = (bodies[0], bodies[1]);
         for (side, &body) in bodies.iter().enumerate() {
-            let mover = (body as usize).checked_sub(1).map(|i| &self.movers[i]);
             let root = if side == 0 { &mut rows.root_a } else { &mut rows.root_b };
-            root[lane] = mover.map_or(0.0, |m| m.inverse_root_mass);
+            root[lane] = self.movers.inverse_root_mass(body);
         }
     }
 
@@ -331,5 +334,12 @@ impl Batch {
         let lanes = &mut self.scales[block];
         (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
         (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
+    }
+}
+
+#[inline(always)]
+fn weigh_all<S: Simd>(simd: S, blocks: &mut [MoverBlock], roots: &mut [Record]) {
+    for (block, roots) in blocks.iter_mut().zip(roots[1..].as_chunks_mut().0) {
+        moving::weigh(simd, block, roots);
     }
 }

@@ -18,7 +18,7 @@ impl World {
         }
         for place in batch.places.iter().filter(|p| wanted[p.island as usize]) {
             for body in place.bodies.into_iter().filter(|&b| b != 0) {
-                let (v, w) = batch.movers[body as usize - 1].velocities(&batch.velocities[body as usize]);
+                let (v, w) = batch.movers.velocities(body, &batch.velocities[body as usize]);
                 let body = &mut aid.bodies[body as usize];
                 (body.velocity, body.angular_velocity) = (v, w);
                 (body.forced_velocity, body.forced_spin) = (v, w);
@@ -44,9 +44,9 @@ impl World {
         aid.manifold_blocks.clear();
         aid.blocks.clear();
         aid.bodies.clear();
-        aid.bodies.resize(batch.movers.len() + 1, SolverBody::GROUND);
-        for (mover, body) in batch.movers.iter().zip(&mut aid.bodies[1..]) {
-            let state = self.bodies.at(mover.slot);
+        aid.bodies.resize(batch.movers.records(), SolverBody::GROUND);
+        for (&slot, body) in batch.movers.slots.iter().zip(&mut aid.bodies[1..]) {
+            let state = self.bodies.at(slot);
             body.inverse_mass = state.inverse_mass_by_axis();
             body.inverse_inertia = state.inverse_inertia_world();
             body.inertia = state.inertia_world();
@@ -90,7 +90,7 @@ impl World {
                 let now = &mut aid.bodies[body];
                 let change = (now.velocity - now.forced_velocity, now.angular_velocity - now.forced_spin);
                 (now.forced_velocity, now.forced_spin) = (now.velocity, now.angular_velocity);
-                let weighted = batch.movers[body - 1].weighted(change.0, change.1);
+                let weighted = batch.movers.weighted(body as u32, change.0, change.1);
                 for (sum, part) in batch.velocities[body].0.iter_mut().zip(weighted.0) {
                     *sum += part;
                 }

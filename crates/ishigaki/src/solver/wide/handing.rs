@@ -8,7 +8,7 @@ use crate::world::World;
 impl World {
     /// Hands down the momentum of one island; the energy of the residual that it took away, J.
     pub(crate) fn hand_down(&self, batch: &mut Batch, work: &mut HandDown, island: u32) -> f32 {
-        work.clear(batch.movers.len() + 1);
+        work.clear(batch.movers.records());
         for p in 0..batch.places.len() {
             let place = batch.places[p];
             if place.island == island {
@@ -17,7 +17,7 @@ impl World {
         }
         for support in &work.supports {
             for body in [support.upper, support.lower].map(|b| b as usize).into_iter().filter(|&b| b != 0) {
-                let (p, l) = batch.movers[body - 1].momentum(&batch.velocities[body]);
+                let (p, l) = batch.movers.impetus(body as u32, &batch.velocities[body]);
                 work.needs[body] = Wrench { linear: -p, angular: -l };
             }
         }
@@ -47,16 +47,18 @@ impl World {
 }
 
 fn velocities(batch: &Batch, body: u32) -> (Vec3, Vec3) {
-    (body as usize)
-        .checked_sub(1)
-        .map_or((Vec3::ZERO, Vec3::ZERO), |i| batch.movers[i].velocities(&batch.velocities[body as usize]))
+    if body == 0 {
+        return (Vec3::ZERO, Vec3::ZERO);
+    }
+    batch.movers.velocities(body, &batch.velocities[body as usize])
 }
 
 /// Along the changes: ½u'² + biasᵀλ.
 fn search(batch: &Batch, work: &HandDown) -> Search {
     let mut search = Search::default();
-    for ((mover, push), velocity) in batch.movers.iter().zip(&work.pushes[1..]).zip(&batch.velocities[1..]) {
-        let change = mover.pushed(push.linear, push.angular);
+    for body in 1..=batch.movers.slots.len() {
+        let (push, velocity) = (&work.pushes[body], &batch.velocities[body]);
+        let change = batch.movers.pushed(body as u32, push.linear, push.angular);
         for (u, d) in velocity.0.iter().zip(change.0) {
             search.slope += f64::from(u * d);
             search.curvature += f64::from(d * d);
@@ -84,10 +86,10 @@ fn take(batch: &mut Batch, work: &HandDown, alpha: f32) {
             disk.lambda[1][lane] += alpha * point.change.z;
         }
     }
-    for (i, mover) in batch.movers.iter().enumerate() {
-        let push = &work.pushes[i + 1];
-        let change = mover.pushed(alpha * push.linear, alpha * push.angular);
-        for (sum, part) in batch.velocities[i + 1].0.iter_mut().zip(change.0) {
+    for body in 1..=batch.movers.slots.len() {
+        let push = &work.pushes[body];
+        let change = batch.movers.pushed(body as u32, alpha * push.linear, alpha * push.angular);
+        for (sum, part) in batch.velocities[body].0.iter_mut().zip(change.0) {
             *sum += part;
         }
     }

@@ -10,11 +10,10 @@ use crate::constraint::joint::{Joint, JointKind, Range};
 use crate::constraint::part::limit_motor::middle;
 use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
-use crate::motion;
 use crate::solver::wide::joint_block::{self as kernel, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST};
 use crate::solver::wide::lanes::{LANES, Record, get, set};
-use crate::solver::wide::mover::Mover;
-use crate::solver::wide::turning;
+use crate::solver::wide::mover::{MoverBlock, Movers};
+use crate::solver::wide::moving;
 use crate::solver::work;
 use crate::world::JointState;
 use fearless_simd::prelude::*;
@@ -172,32 +171,32 @@ impl Joints {
     }
 
     /// Waves and blocks, for substeps of `h` seconds; `scale` makes first impulses of stored ones.
-    pub(crate) fn build(&mut self, movers: &[Mover], joints: &Arena<JointState>, h: f32, scale: f32) {
+    pub(crate) fn build(&mut self, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
         if self.is_empty() {
             self.blocks.clear();
             return;
         }
-        self.make_waves(movers.len());
-        self.poses.clear();
-        self.poses.resize(movers.len() + 1, Record::default());
+        self.make_waves(movers.records());
+        for records in [&mut self.poses, &mut self.spins, &mut self.pushes] {
+            records.clear();
+            records.resize(movers.records(), Record::default());
+        }
         self.poses.append(&mut self.still);
-        self.spins.clear();
-        self.spins.resize(movers.len() + 1, Record::default());
         self.work = JointWork::default();
         for p in 0..self.places.len() {
             self.fill(p, movers, joints, h, scale);
         }
     }
 
-    fn make_waves(&mut self, movers: usize) {
+    fn make_waves(&mut self, records: usize) {
         self.waves.clear();
-        self.waves.resize(movers + 1, 0);
+        self.waves.resize(records, 0);
         self.counts.clear();
-        let last_mover = movers as u32;
+        let first_still = records as u32;
         for place in &mut self.places {
             for pose in &mut place.poses {
-                if *pose > last_mover {
-                    *pose = last_mover + 1 + (u32::MAX - *pose);
+                if *pose >= first_still {
+                    *pose = first_still + (u32::MAX - *pose);
                 }
             }
             let moving = place.bodies.iter().filter(|&&b| b != 0);
@@ -240,7 +239,7 @@ impl Joints {
         self.blocks.truncate(first);
     }
 
-    fn fill(&mut self, index: usize, movers: &[Mover], joints: &Arena<JointState>, h: f32, scale: f32) {
+    fn fill(&mut self, index: usize, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
         let place = self.places[index];
         let (lane, joint) = (place.lane as usize, joints.at(place.joint));
         let block = &mut self.blocks[place.block as usize];
@@ -250,9 +249,7 @@ impl Joints {
             block.bodies[side][lane] = place.bodies[side];
             block.poses[side][lane] = place.poses[side];
             set(&mut block.anchors[side], lane, anchor);
-            if let Some(mover) = (place.bodies[side] as usize).checked_sub(1).map(|m| &movers[m]) {
-                block.root[side][lane] = mover.inverse_root_mass;
-            }
+            block.root[side][lane] = movers.inverse_root_mass(place.bodies[side]);
             if block.parts.ranges {
                 for (lanes, value) in block.frames[side].iter_mut().zip(frame.to_array()) {
                     lanes[lane] = value;
@@ -280,24 +277,15 @@ impl Joints {
         self.work.add(block.parts, bearing);
     }
 
-    /// Takes over where the movers are.
-    fn follow(&mut self, movers: &[Mover]) {
-        for (pose, mover) in self.poses[1..].iter_mut().zip(movers) {
-            *pose = pose_record(mover.center(), mover.rotation());
-        }
-    }
-
     /// Rows for the poses as they are, and what the way along arcs will add to gaps in `h` seconds. `roots` holds I^−½
-    /// of all bodies, `uneven` names the movers whose moments of inertia are not all the same.
-    pub fn aim(&mut self, level: Level, movers: &[Mover], roots: &[Record], uneven: &[u32], h: f32) {
-        self.follow(movers);
-        for (spin, mover) in self.spins[1..].iter_mut().zip(movers) {
-            let w = mover.angular_velocity();
-            *spin = Record([w.x, w.y, w.z, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        }
-        let (blocks, poses, spins) = (&mut self.blocks, &self.poses, &mut self.spins);
-        dispatch!(level, simd => gyrations_of(simd, movers, uneven, spins));
-        dispatch!(level, simd => aim_all(simd, blocks, poses, roots, spins, h));
+    /// of all bodies.
+    pub fn aim(&mut self, level: Level, movers: &Movers, roots: &[Record], h: f32) {
+        let (blocks, poses, spins) = (&mut self.blocks, &mut self.poses, &mut self.spins);
+        dispatch!(level, simd => {
+            follow(simd, &movers.blocks, poses);
+            swing(simd, &movers.blocks, spins);
+            aim_all(simd, blocks, poses, roots, spins, h);
+        });
     }
 
     /// u' += J'ᵀλ.
@@ -316,27 +304,13 @@ impl Joints {
         }
     }
 
-    /// Moves bodies toward what their joints ask for: `joint_recovery.rs`. Each body's way adds to its displacement.
-    pub fn recover(
-        &mut self,
-        level: Level,
-        movers: &mut [Mover],
-        displacements: &mut [Record],
-        pass: &JointPass,
-        reversed: bool,
-        h: f32,
-    ) {
-        self.pushes.clear();
-        self.pushes.resize(movers.len() + 1, Record::default());
+    /// Velocities toward what joints ask for: `joint_recovery.rs`. They are moved along and forgotten.
+    pub fn recover(&mut self, level: Level, pass: &JointPass, reversed: bool) -> &[Record] {
         let mut pushes = std::mem::take(&mut self.pushes);
+        pushes.fill(Record::default());
         self.sweep(level, &mut pushes, pass, reversed, false);
-        for ((mover, push), way) in movers.iter_mut().zip(&pushes[1..]).zip(&mut displacements[1..]) {
-            if *push != Record::default() {
-                mover.shift(push, h);
-                way.0.iter_mut().zip(push.0).for_each(|(sum, part)| *sum += h * part);
-            }
-        }
         self.pushes = pushes;
+        &self.pushes
     }
 
     /// Adds λ to the sums over the substeps.
@@ -361,10 +335,12 @@ impl Joints {
     }
 
     /// Errors at the end of the step.
-    pub fn see(&mut self, level: Level, movers: &[Mover]) {
-        self.follow(movers);
-        let (blocks, poses) = (&mut self.blocks, &self.poses);
-        dispatch!(level, simd => see_all(simd, blocks, poses));
+    pub fn see(&mut self, level: Level, movers: &Movers) {
+        let (blocks, poses) = (&mut self.blocks, &mut self.poses);
+        dispatch!(level, simd => {
+            follow(simd, &movers.blocks, poses);
+            see_all(simd, blocks, poses);
+        });
     }
 
     /// Impulses, forces and errors back into the world; `share` makes stored impulses of those of a substep.
@@ -399,12 +375,19 @@ impl Joints {
     }
 }
 
-impl Mover {
-    /// Moves by h seconds of a mass-weighted velocity that is forgotten; L stays, ω follows.
-    fn shift(&mut self, push: &Record, h: f32) {
-        let (velocity, angular_velocity) = self.velocities(push);
-        let rotation = motion::turned(self.rotation(), angular_velocity, h);
-        self.put(self.center() + h * velocity, rotation);
+/// Poses of the movers.
+#[inline(always)]
+fn follow<S: Simd>(simd: S, movers: &[MoverBlock], poses: &mut [Record]) {
+    for (block, poses) in movers.iter().zip(poses[1..].as_chunks_mut().0) {
+        moving::pose(simd, block, poses);
+    }
+}
+
+/// How the movers turn.
+#[inline(always)]
+fn swing<S: Simd>(simd: S, movers: &[MoverBlock], spins: &mut [Record]) {
+    for (block, spins) in movers.iter().zip(spins[1..].as_chunks_mut().0) {
+        moving::swing(simd, block, spins);
     }
 }
 
@@ -413,13 +396,6 @@ fn aim_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record], roots:
     for block in blocks {
         kernel::turn(simd, block, poses, roots);
         kernel::look_ahead(simd, block, spins, h);
-    }
-}
-
-#[inline(always)]
-fn gyrations_of<S: Simd>(simd: S, movers: &[Mover], uneven: &[u32], spins: &mut [Record]) {
-    for indices in uneven.chunks(LANES) {
-        turning::find_gyrations(simd, movers, indices, spins);
     }
 }
 

@@ -222,6 +222,46 @@ pub fn gather_poses<S: Simd>(simd: S, poses: &[Record], bodies: &[u32; LANES]) -
 }
 
 #[inline(always)]
+fn half_of<S: Simd, const ANGULAR: bool>(simd: S, records: &[Record; LANES], first: usize) -> [f32x4<S>; 4] {
+    let at = if ANGULAR { 4 } else { 0 };
+    let a = f32x4::from_slice(simd, &records[first].0[at..at + 4]);
+    let b = f32x4::from_slice(simd, &records[first + 1].0[at..at + 4]);
+    let c = f32x4::from_slice(simd, &records[first + 2].0[at..at + 4]);
+    let d = f32x4::from_slice(simd, &records[first + 3].0[at..at + 4]);
+    transposed(a, b, c, d)
+}
+
+/// Linear and angular parts of eight records side by side.
+#[inline(always)]
+pub fn read<S: Simd>(simd: S, records: &[Record; LANES]) -> (V3<S>, V3<S>) {
+    (
+        join(simd, half_of::<S, false>(simd, records, 0), half_of::<S, false>(simd, records, 4)),
+        join(simd, half_of::<S, true>(simd, records, 0), half_of::<S, true>(simd, records, 4)),
+    )
+}
+
+/// Puts eight records side by side back.
+#[inline(always)]
+pub fn write<S: Simd>(simd: S, records: &mut [Record; LANES], linear: V3<S>, angular: V3<S>) {
+    let zero = splat(simd, 0.0);
+    write_halves(records, halves(simd, linear, zero), halves(simd, angular, zero));
+}
+
+/// Puts eight poses side by side: x, y, z, 0, and the rotation.
+#[inline(always)]
+pub fn write_poses<S: Simd>(simd: S, records: &mut [Record; LANES], center: V3<S>, rotation: Q4<S>) {
+    write_halves(records, halves(simd, center, splat(simd, 0.0)), halves(simd, rotation.v, rotation.w));
+}
+
+#[inline(always)]
+fn write_halves<S: Simd>(records: &mut [Record; LANES], linear: [[f32x4<S>; 4]; 2], angular: [[f32x4<S>; 4]; 2]) {
+    for (i, record) in records.iter_mut().enumerate() {
+        linear[i / 4][i % 4].store_slice(&mut record.0[..4]);
+        angular[i / 4][i % 4].store_slice(&mut record.0[4..]);
+    }
+}
+
+#[inline(always)]
 fn join<S: Simd>(simd: S, low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> V3<S> {
     V3 {
         x: simd.combine_f32x4(low[0], high[0]),
@@ -230,20 +270,21 @@ fn join<S: Simd>(simd: S, low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> V3<S> {
     }
 }
 
-/// A vector of each of eight bodies, four bodies to a half.
+/// Three and one numbers of each of eight bodies, four bodies to a half.
 #[inline(always)]
-fn halves<S: Simd>(simd: S, v: V3<S>) -> [[f32x4<S>; 4]; 2] {
-    let zero = f32x4::splat(simd, 0.0);
+fn halves<S: Simd>(simd: S, v: V3<S>, w: f32x8<S>) -> [[f32x4<S>; 4]; 2] {
     let (x0, x1) = simd.split_f32x8(v.x);
     let (y0, y1) = simd.split_f32x8(v.y);
     let (z0, z1) = simd.split_f32x8(v.z);
-    [transposed(x0, y0, z0, zero), transposed(x1, y1, z1, zero)]
+    let (w0, w1) = simd.split_f32x8(w);
+    [transposed(x0, y0, z0, w0), transposed(x1, y1, z1, w1)]
 }
 
 /// Puts the records of eight bodies back; body 0, the ground, stays as it is.
 #[inline(always)]
 pub fn scatter<S: Simd>(simd: S, records: &mut [Record], bodies: &[u32; LANES], linear: V3<S>, angular: V3<S>) {
-    let (linear, angular) = (halves(simd, linear), halves(simd, angular));
+    let zero = splat(simd, 0.0);
+    let (linear, angular) = (halves(simd, linear, zero), halves(simd, angular, zero));
     for i in 0..LANES {
         let body = bodies[i];
         if body != 0 {
@@ -362,6 +403,20 @@ mod tests {
         let found = crate::math::Vec3::new(turned[0][5], turned[1][5], turned[2][5]);
         assert!((found - p * v).length() < 1e-6);
         assert!((product[0] - (p * q.conjugate()).w).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_read_is_written() {
+        let records: [Record; LANES] =
+            std::array::from_fn(|b| Record([1.0, 2.0, 3.0, 0.0, 4.0, 5.0, 6.0, 0.0].map(|x: f32| x * (b + 1) as f32)));
+        let (mut back, mut poses) = ([Record([9.0; 8]); LANES], [Record::default(); LANES]);
+        dispatch!(Level::new(), simd => {
+            let (linear, angular) = read(simd, &records);
+            write(simd, &mut back, linear, angular);
+            write_poses(simd, &mut poses, linear, Q4 { v: angular, w: splat(simd, 7.0) });
+        });
+        assert_eq!(back, records);
+        assert_eq!(poses[5].0, [6.0, 12.0, 18.0, 0.0, 24.0, 30.0, 36.0, 7.0]);
     }
 
     #[test]

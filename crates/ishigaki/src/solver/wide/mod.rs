@@ -13,6 +13,7 @@ pub mod joint_block;
 pub mod joints;
 pub mod lanes;
 pub mod mover;
+mod moving;
 mod seed;
 mod solve;
 mod split;

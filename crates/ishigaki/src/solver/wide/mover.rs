@@ -1,239 +1,254 @@
-//! A moving body in a batch: its state over the substeps, and its mass-weighted velocity.
+//! Moving bodies of a batch, eight side by side: their states over the substeps, and what weights their velocities.
 //!
-//! The state is (v, L, pose), as in the reference; solver impulses change L by exactly I^½Δu'.
+//! The state is (v, L, pose), as in the reference; solver impulses change L by exactly I^½Δu'. A body's record is one
+//! after its index: the first is the ground's. Records fill whole blocks; lanes beyond the bodies hold nothing that moves.
+//! What is done to them in a substep is in `moving.rs`.
 
 use crate::body::BodyState;
-use crate::math::{Mat3, Quat, Vec3, rotated_diagonal};
-use crate::motion::{self, Spin, forces};
-use crate::options::RotationScheme;
-use crate::solver::wide::lanes::Record;
+use crate::math::{Quat, Vec3};
+use crate::motion::{Spin, forces};
+use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, get, set};
 
-/// One body over the substeps of a step.
+/// A symmetric matrix of each lane: xx, xy, xz, yy, yz, zz.
+pub type Lane6 = [Lane; 6];
+
+const ZERO: Lane = [0.0; LANES];
+const ZERO3: Lane3 = [ZERO; 3];
+
+/// Eight bodies.
+#[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
-pub struct Mover {
-    /// Its slot in the world.
-    pub slot: u32,
-    /// 1/kg.
-    pub inverse_mass: f32,
+pub struct MoverBlock {
+    /// v, m/s.
+    pub velocity: Lane3,
+    /// L, kg·m²/s.
+    pub momentum: Lane3,
+    /// ω, rad/s.
+    pub spin: Lane3,
+    /// Of mass, m.
+    pub center: Lane3,
+    /// `world_from_body`.
+    pub rotation: [Lane; 4],
     /// m^½.
-    root_mass: f32,
+    pub root_mass: Lane,
     /// m^−½.
-    pub inverse_root_mass: f32,
-    /// I^½ in world at the start of the step.
-    root_inertia: Mat3,
-    /// I^−½, symmetric: xx, xy, xz, yy, yz, zz.
-    pub inverse_root_inertia: [f32; 6],
-    spin: Spin,
-    velocity: Vec3,
-    center: Vec3,
-    force: Vec3,
-    torque: Vec3,
-    acceleration: Vec3,
-    damping: [f32; 2],
-    /// L has changed, and ω does not follow it yet.
-    is_stale: bool,
+    pub inverse_root_mass: Lane,
+    /// I^½ in world, of the start of the step or as bodies were weighed anew.
+    pub root: Lane6,
+    /// I^−½.
+    pub inverse_root: Lane6,
+    /// `local_from_principal`.
+    pub frame: [Lane; 4],
+    /// About the principal axes, kg·m².
+    pub inertia: Lane3,
+    /// 1/I about the principal axes.
+    pub inverse_inertia: Lane3,
+    /// 1 where moments of inertia are not all the same, else 0.
+    pub uneven: Lane,
+    /// 1 where rows of joints turn with such a body, else 0.
+    pub weighed: Lane,
+    /// F/m + g, m/s².
+    pub acceleration: Lane3,
+    /// N·m.
+    pub torque: Lane3,
+    /// Of v and ω, 1/s.
+    pub damping: [Lane; 2],
+    /// What damping leaves of v and L in a substep.
+    pub kept: [Lane; 2],
+    /// Some lane is uneven.
+    pub has_uneven: bool,
+    /// Some lane is weighed.
+    pub has_weighed: bool,
+    /// Some lane has a torque or angular damping.
+    pub is_turned: bool,
 }
 
-/// What moves all bodies alike.
-#[derive(Clone, Copy, Debug)]
-pub struct MotionLimits {
-    /// m/s.
-    pub speed: f32,
-    /// rad/s.
-    pub angular_speed: f32,
-}
+impl MoverBlock {
+    /// Nothing that moves.
+    const EMPTY: Self = Self {
+        velocity: ZERO3,
+        momentum: ZERO3,
+        spin: ZERO3,
+        center: ZERO3,
+        rotation: [ZERO, ZERO, ZERO, [1.0; LANES]],
+        root_mass: ZERO,
+        inverse_root_mass: ZERO,
+        root: [ZERO; 6],
+        inverse_root: [ZERO; 6],
+        frame: [ZERO, ZERO, ZERO, [1.0; LANES]],
+        inertia: ZERO3,
+        inverse_inertia: ZERO3,
+        uneven: ZERO,
+        weighed: ZERO,
+        acceleration: ZERO3,
+        torque: ZERO3,
+        damping: [ZERO; 2],
+        kept: [[1.0; LANES]; 2],
+        has_uneven: false,
+        has_weighed: false,
+        is_turned: false,
+    };
 
-impl Mover {
-    /// An active dynamic body without locked axes.
-    pub fn new(slot: u32, body: &BodyState, gravity: Vec3) -> Self {
+    fn fill(&mut self, lane: usize, body: &BodyState, gravity: Vec3) {
         let spin = body.spin();
-        let (root_inertia, inverse_root_inertia) = roots_of(&spin);
         let inverse_mass = body.inverse_mass;
         let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { 0.0 };
-        Self {
-            slot,
-            inverse_mass,
-            root_mass: mass.sqrt(),
-            inverse_root_mass: inverse_mass.sqrt(),
-            root_inertia,
-            inverse_root_inertia,
-            spin,
-            velocity: body.velocity,
-            center: body.center,
-            force: body.force,
-            torque: body.torque,
-            acceleration: gravity * body.gravity_scale,
-            damping: [body.linear_damping, body.angular_damping],
-            is_stale: false,
+        (self.root_mass[lane], self.inverse_root_mass[lane]) = (mass.sqrt(), inverse_mass.sqrt());
+        set(&mut self.velocity, lane, body.velocity);
+        set(&mut self.center, lane, body.center);
+        set_rotation(&mut self.frame, lane, spin.principal_frame);
+        set(&mut self.inertia, lane, spin.principal_inertia);
+        set(&mut self.inverse_inertia, lane, spin.inverse_principal_inertia);
+        set(&mut self.momentum, lane, spin.angular_momentum);
+        self.set_turn(lane, &spin);
+        let acceleration = if inverse_mass > 0.0 { gravity * body.gravity_scale } else { Vec3::ZERO };
+        set(&mut self.acceleration, lane, body.force * inverse_mass + acceleration);
+        set(&mut self.torque, lane, body.torque);
+        (self.damping[0][lane], self.damping[1][lane]) = (body.linear_damping, body.angular_damping);
+        self.is_turned |= body.torque != Vec3::ZERO || body.angular_damping != 0.0;
+        if !spin.is_isotropic() {
+            self.uneven[lane] = 1.0;
+            self.has_uneven = true;
         }
     }
 
-    /// Center of mass, m.
-    pub fn center(&self) -> Vec3 {
-        self.center
-    }
-
-    /// `world_from_body`.
-    pub fn rotation(&self) -> Quat {
-        self.spin.rotation
-    }
-
-    /// ω, rad/s.
-    pub fn angular_velocity(&self) -> Vec3 {
-        self.spin.angular_velocity
-    }
-
-    /// R, L and ω.
-    pub fn spin(&self) -> &Spin {
-        &self.spin
-    }
-
-    /// I^−½ as a record: xx, xy, xz, 0, yy, yz, zz, 0.
-    pub fn inverse_root_record(&self) -> Record {
-        let [xx, xy, xz, yy, yz, zz] = self.inverse_root_inertia;
-        Record([xx, xy, xz, 0.0, yy, yz, zz, 0.0])
-    }
-
-    /// I^½ as a record.
-    pub fn root_record(&self) -> Record {
-        let [x, y, z] = [self.root_inertia.x_axis, self.root_inertia.y_axis, self.root_inertia.z_axis];
-        Record([x.x, y.x, z.x, 0.0, y.y, z.y, z.z, 0.0])
-    }
-
-    /// Takes I^½ and I^−½ that were found for the rotation as it is; the way of the step so far is weighted by them.
-    pub fn weigh(&mut self, root: [f32; 6], inverse_root: [f32; 6], displacement: &mut Record) {
-        let (way, turn) = self.velocities(displacement);
-        let [xx, xy, xz, yy, yz, zz] = root;
-        let columns = [Vec3::new(xx, xy, xz), Vec3::new(xy, yy, yz), Vec3::new(xz, yz, zz)];
-        self.root_inertia = Mat3::from_cols(columns[0], columns[1], columns[2]);
-        self.inverse_root_inertia = inverse_root;
-        *displacement = self.weighted(way, turn);
-    }
-
-    /// Puts the body somewhere else; L stays, ω is to follow.
-    pub fn put(&mut self, center: Vec3, rotation: Quat) {
-        self.center = center;
-        self.spin.rotation = rotation;
-        self.is_stale = true;
-    }
-
-    /// ω = I⁻¹L has been found.
-    pub fn take_spin(&mut self, angular_velocity: Vec3) {
-        if self.is_stale {
-            self.spin.angular_velocity = angular_velocity;
-            self.is_stale = false;
+    /// R, L and ω of a lane, with what ties them.
+    pub fn spin(&self, lane: usize) -> Spin {
+        Spin {
+            rotation: rotation_of(&self.rotation, lane),
+            principal_frame: rotation_of(&self.frame, lane),
+            principal_inertia: get(&self.inertia, lane),
+            inverse_principal_inertia: get(&self.inverse_inertia, lane),
+            angular_momentum: get(&self.momentum, lane),
+            angular_velocity: get(&self.spin, lane),
         }
     }
 
-    /// ω = I⁻¹L, by itself.
-    pub fn find_spin(&mut self) {
-        if self.is_stale {
-            self.take_spin(self.spin.inverse_inertia_times(self.spin.angular_momentum));
+    /// Takes R and ω over.
+    pub fn set_turn(&mut self, lane: usize, spin: &Spin) {
+        set_rotation(&mut self.rotation, lane, spin.rotation);
+        set(&mut self.spin, lane, spin.angular_velocity);
+    }
+}
+
+fn set_rotation(lanes: &mut [Lane; 4], lane: usize, rotation: Quat) {
+    for (lanes, value) in lanes.iter_mut().zip(rotation.to_array()) {
+        lanes[lane] = value;
+    }
+}
+
+fn rotation_of(lanes: &[Lane; 4], lane: usize) -> Quat {
+    let [x, y, z, w] = lanes.map(|lanes| lanes[lane]);
+    Quat::from_xyzw(x, y, z, w)
+}
+
+fn times(matrix: &Lane6, lane: usize, v: Vec3) -> Vec3 {
+    let [xx, xy, xz, yy, yz, zz] = matrix.map(|lanes| lanes[lane]);
+    Vec3::new(xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z)
+}
+
+fn record(linear: Vec3, angular: Vec3) -> Record {
+    Record([linear.x, linear.y, linear.z, 0.0, angular.x, angular.y, angular.z, 0.0])
+}
+
+fn parts(record: &Record) -> (Vec3, Vec3) {
+    let [x, y, z, _, p, q, r, _] = record.0;
+    (Vec3::new(x, y, z), Vec3::new(p, q, r))
+}
+
+/// Bodies of a batch.
+#[derive(Clone, Debug, Default)]
+pub struct Movers {
+    /// Their slots in the world.
+    pub slots: Vec<u32>,
+    /// Eight by eight.
+    pub blocks: Vec<MoverBlock>,
+}
+
+impl Movers {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.slots.clear();
+        self.blocks.clear();
+    }
+
+    /// Adds an active dynamic body without locked axes; the index of its record.
+    pub fn add(&mut self, slot: u32, body: &BodyState, gravity: Vec3) -> u32 {
+        let lane = self.slots.len() % LANES;
+        if lane == 0 {
+            self.blocks.push(MoverBlock::EMPTY);
+        }
+        if let Some(block) = self.blocks.last_mut() {
+            block.fill(lane, body, gravity);
+        }
+        self.slots.push(slot);
+        self.slots.len() as u32
+    }
+
+    /// How many records there are: of the ground, and of whole blocks.
+    pub fn records(&self) -> usize {
+        1 + LANES * self.blocks.len()
+    }
+
+    /// Before substeps of `h` seconds: what damping leaves, and which bodies are weighed anew after motions.
+    pub fn begin_step(&mut self, h: f32, is_jointed: impl Fn(u32) -> bool) {
+        for (index, _) in self.slots.iter().enumerate() {
+            let (block, lane) = (&mut self.blocks[index / LANES], index % LANES);
+            for (kept, damping) in block.kept.iter_mut().zip(&block.damping) {
+                kept[lane] = forces::damping_factor(damping[lane], h);
+            }
+            if block.uneven[lane] > 0.0 && is_jointed(index as u32 + 1) {
+                block.weighed[lane] = 1.0;
+                block.has_weighed = true;
+            }
         }
     }
 
-    /// R and ω have been found.
-    pub fn take_turn(&mut self, rotation: Quat, angular_velocity: Vec3) {
-        (self.spin.rotation, self.spin.angular_velocity) = (rotation, angular_velocity);
+    fn at(&self, record: u32) -> (&MoverBlock, usize) {
+        let index = record as usize - 1;
+        (&self.blocks[index / LANES], index % LANES)
     }
 
-    /// R and ω after `h` seconds, by itself.
-    pub fn turn(&mut self, scheme: RotationScheme, h: f32) {
-        motion::advance(scheme, &mut self.spin, false, h);
-    }
-
-    /// u' = (m^½ v, I^½ ω).
-    pub fn record(&self) -> Record {
-        let v = self.root_mass * self.velocity;
-        let w = self.root_inertia * self.spin.angular_velocity;
-        Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
+    /// m^−½ of the body with this record; 0 for the ground.
+    pub fn inverse_root_mass(&self, record: u32) -> f32 {
+        if record == 0 {
+            return 0.0;
+        }
+        let (block, lane) = self.at(record);
+        block.inverse_root_mass[lane]
     }
 
     /// v and ω of a mass-weighted velocity.
-    pub fn velocities(&self, u: &Record) -> (Vec3, Vec3) {
-        let [vx, vy, vz, _, wx, wy, wz, _] = u.0;
-        let [xx, xy, xz, yy, yz, zz] = self.inverse_root_inertia;
-        let w = Vec3::new(xx * wx + xy * wy + xz * wz, xy * wx + yy * wy + yz * wz, xz * wx + yz * wy + zz * wz);
-        (self.inverse_root_mass * Vec3::new(vx, vy, vz), w)
+    pub fn velocities(&self, record: u32, u: &Record) -> (Vec3, Vec3) {
+        let ((block, lane), (linear, angular)) = (self.at(record), parts(u));
+        (block.inverse_root_mass[lane] * linear, times(&block.inverse_root, lane, angular))
     }
 
     /// The mass-weighted velocity of v and ω.
-    pub fn weighted(&self, velocity: Vec3, angular_velocity: Vec3) -> Record {
-        let (v, w) = (self.root_mass * velocity, self.root_inertia * angular_velocity);
-        Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
+    pub fn weighted(&self, record_of: u32, velocity: Vec3, angular_velocity: Vec3) -> Record {
+        let (block, lane) = self.at(record_of);
+        record(block.root_mass[lane] * velocity, times(&block.root, lane, angular_velocity))
     }
 
     /// M^−½ times an impulse, N·s, and an angular impulse, N·m·s: the change of u' that they make.
-    pub fn pushed(&self, impulse: Vec3, torque: Vec3) -> Record {
-        let v = self.inverse_root_mass * impulse;
-        let [xx, xy, xz, yy, yz, zz] = self.inverse_root_inertia;
-        let w = Vec3::new(
-            xx * torque.x + xy * torque.y + xz * torque.z,
-            xy * torque.x + yy * torque.y + yz * torque.z,
-            xz * torque.x + yz * torque.y + zz * torque.z,
-        );
-        Record([v.x, v.y, v.z, 0.0, w.x, w.y, w.z, 0.0])
+    pub fn pushed(&self, record_of: u32, impulse: Vec3, torque: Vec3) -> Record {
+        let (block, lane) = self.at(record_of);
+        record(block.inverse_root_mass[lane] * impulse, times(&block.inverse_root, lane, torque))
     }
 
     /// M^½u' = (m v, I ω) of a mass-weighted velocity, N·s and N·m·s.
-    pub fn momentum(&self, u: &Record) -> (Vec3, Vec3) {
-        let [vx, vy, vz, _, wx, wy, wz, _] = u.0;
-        (self.root_mass * Vec3::new(vx, vy, vz), self.root_inertia * Vec3::new(wx, wy, wz))
-    }
-
-    /// v += h(F/m + g), L += hτ, damping. Gives u'.
-    pub fn begin(&mut self, h: f32) -> Record {
-        let inverse = Vec3::splat(self.inverse_mass);
-        self.velocity = forces::accelerated(self.velocity, self.force, inverse, self.acceleration, h);
-        self.velocity *= forces::damping_factor(self.damping[0], h);
-        if self.torque != Vec3::ZERO {
-            forces::apply_angular_impulse(&mut self.spin, h * self.torque, Vec3::ONE);
-        }
-        if self.damping[1] != 0.0 {
-            forces::damp_spin(&mut self.spin, forces::damping_factor(self.damping[1], h));
-        }
-        self.record()
-    }
-
-    /// Takes over what sweeps made of u', ω but for lanes to find; gives the change.
-    pub fn take(&mut self, before: &Record, after: &Record) -> Record {
-        let change: [f32; 8] = std::array::from_fn(|k| after.0[k] - before.0[k]);
-        let [vx, vy, vz, _, wx, wy, wz, _] = change;
-        self.velocity += self.inverse_root_mass * Vec3::new(vx, vy, vz);
-        let turn = self.root_inertia * Vec3::new(wx, wy, wz);
-        if turn != Vec3::ZERO {
-            self.spin.angular_momentum += turn;
-            self.is_stale = true;
-        }
-        Record(change)
-    }
-
-    /// x += h v; adds the way and the turn of `h` seconds to the mass-weighted displacement.
-    pub fn advance(&mut self, limits: MotionLimits, h: f32, displacement: &mut Record) {
-        self.velocity = forces::limited(self.velocity, limits.speed);
-        forces::limit_spin(&mut self.spin, limits.angular_speed);
-        let way = self.weighted(h * self.velocity, h * self.spin.angular_velocity);
-        for (sum, part) in displacement.0.iter_mut().zip(way.0) {
-            *sum += part;
-        }
-        self.center += h * self.velocity;
+    pub fn impetus(&self, record: u32, u: &Record) -> (Vec3, Vec3) {
+        let ((block, lane), (linear, angular)) = (self.at(record), parts(u));
+        (block.root_mass[lane] * linear, times(&block.root, lane, angular))
     }
 
     /// Into the world.
-    pub fn store(&self, body: &mut BodyState) {
-        body.velocity = self.velocity;
-        body.center = self.center;
-        body.rotation = self.spin.rotation;
-        body.angular_momentum = self.spin.angular_momentum;
-        body.angular_velocity = self.spin.angular_velocity;
+    pub fn store(&self, index: usize, body: &mut BodyState) {
+        let (block, lane) = (&self.blocks[index / LANES], index % LANES);
+        body.velocity = get(&block.velocity, lane);
+        body.center = get(&block.center, lane);
+        body.rotation = rotation_of(&block.rotation, lane);
+        body.angular_momentum = get(&block.momentum, lane);
+        body.angular_velocity = get(&block.spin, lane);
     }
-}
-
-/// I^½ and I^−½ in world.
-fn roots_of(spin: &Spin) -> (Mat3, [f32; 6]) {
-    let axes = spin.world_from_principal();
-    let root = |v: Vec3| Vec3::new(v.x.sqrt(), v.y.sqrt(), v.z.sqrt());
-    let inverse = rotated_diagonal(axes, root(spin.inverse_principal_inertia));
-    let [x, y, z] = [inverse.x_axis, inverse.y_axis, inverse.z_axis];
-    (rotated_diagonal(axes, root(spin.principal_inertia)), [x.x, y.x, z.x, y.y, z.y, z.z])
 }

@@ -23,10 +23,11 @@ impl Batch {
         let up = -source.options.gravity.normalize_or_zero();
         let weight = source.options.gravity.length() * h;
         let height = |slot: u32| source.bodies.at(slot).height;
-        let mut loads: Vec<f32> = vec![0.0; self.movers.len() + 1];
-        let mut supports: Vec<u32> = vec![0; self.movers.len() + 1];
-        for (load, mover) in loads[1..].iter_mut().zip(&self.movers) {
-            *load = weight * source.bodies.at(mover.slot).gravity_scale / mover.inverse_mass;
+        let mut loads: Vec<f32> = vec![0.0; self.movers.records()];
+        let mut supports: Vec<u32> = vec![0; self.movers.records()];
+        for (load, &slot) in loads[1..].iter_mut().zip(&self.movers.slots) {
+            let body = source.bodies.at(slot);
+            *load = weight * body.gravity_scale / body.inverse_mass;
         }
         let mut order: Vec<(Reverse<u32>, u32)> = Vec::with_capacity(self.places.len());
         for (index, place) in self.places.iter().enumerate() {

@@ -4,7 +4,6 @@
 //! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
 
 use crate::math::Vec3;
-use crate::options::RotationScheme;
 use crate::solver::hand_down::{self, HandDown};
 use crate::solver::level_correction;
 use crate::solver::manifold_block;
@@ -16,8 +15,8 @@ use crate::solver::wide::batch::{Batch, IslandState, Outcome};
 use crate::solver::wide::contact_block::{self as kernel, Biases, SweepPass};
 use crate::solver::wide::joint_block::JointPass;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
-use crate::solver::wide::mover::{MotionLimits, Mover};
-use crate::solver::wide::turning;
+use crate::solver::wide::mover::MoverBlock;
+use crate::solver::wide::moving::{self, Motion};
 use crate::solver::work;
 use crate::world::World;
 use fearless_simd::prelude::*;
@@ -58,6 +57,13 @@ impl World {
             passes: manifold_block::passes(&solver.manifold_block).unwrap_or(1),
             warm: solver.warm_start.enabled,
         };
+        let root = scale.sqrt();
+        let motion = Motion {
+            scheme: self.options.motion.rotation,
+            max_speed: self.options.motion.max_speed * root,
+            max_angular_speed: self.options.motion.max_angular_speed / root,
+            h,
+        };
         let mut order = Order::for_sweeps(sweeps);
         let work = batch.manifold_work(u64::from(pass.passes));
         batch.outcome.work += work.rows;
@@ -68,7 +74,7 @@ impl World {
         for substep in 0..substeps {
             let is_last = substep + 1 == substeps;
             let velocity = JointPass::velocity(h);
-            batch.begin(h);
+            batch.begin(level, h);
             let mut sweeps = sweeps;
             if !is_free {
                 if substep == 0 || batch.pushes_anew() {
@@ -93,7 +99,7 @@ impl World {
                     batch.outcome.residual = batch.residual(level, &velocity);
                 }
             }
-            self.move_batch(level, batch, h);
+            batch.advance(level, &motion);
             if !is_free {
                 if !batch.joints.is_empty() {
                     batch.outcome.work += work.reweighing;
@@ -172,24 +178,6 @@ impl World {
         }
     }
 
-    fn move_batch(&self, level: Level, batch: &mut Batch, h: f32) {
-        let root = self.options.length_scale.sqrt();
-        let motion = &self.options.motion;
-        let limits = MotionLimits { speed: motion.max_speed * root, angular_speed: motion.max_angular_speed / root };
-        for (i, mover) in batch.movers.iter_mut().enumerate() {
-            batch.carried[i + 1] = mover.take(&batch.before[i + 1], &batch.velocities[i + 1]);
-        }
-        batch.find_spins(level);
-        for (i, mover) in batch.movers.iter_mut().enumerate() {
-            mover.advance(limits, h, &mut batch.displacements[i + 1]);
-        }
-        batch.turn(level, motion.rotation, h);
-        for (i, mover) in batch.movers.iter().enumerate() {
-            batch.velocities[i + 1] = mover.record();
-            batch.before[i + 1] = batch.velocities[i + 1];
-        }
-    }
-
     /// Rows of joints for the poses after the motion, and the recovery of their errors.
     fn recover_batch_joints(&self, level: Level, batch: &mut Batch, reversed: bool, h: f32) {
         batch.weigh(level);
@@ -197,14 +185,8 @@ impl World {
         let recovery = &self.options.solver.joint_recovery;
         if recovery.enabled {
             let pass = JointPass::recovery(h, recovery.rate);
-            let (movers, ways) = (&mut batch.movers, &mut batch.displacements);
-            batch.joints.recover(level, movers, ways, &pass, reversed, h);
-            batch.find_spins(level);
+            batch.recover(level, &pass, reversed, h);
             batch.outcome.work += batch.joints.work.recovery;
-            for (i, mover) in batch.movers.iter().enumerate() {
-                batch.velocities[i + 1] = mover.record();
-                batch.before[i + 1] = batch.velocities[i + 1];
-            }
         }
     }
 
@@ -216,8 +198,8 @@ impl World {
         }
         // Stored impulses are those of a substep as the options have it.
         let share = batch.substeps as f32 / self.options.solver.substeps as f32;
-        for mover in &batch.movers {
-            mover.store(self.bodies.at_mut(mover.slot));
+        for (index, &slot) in batch.movers.slots.iter().enumerate() {
+            batch.movers.store(index, self.bodies.at_mut(slot));
         }
         for place in &batch.places {
             let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
@@ -264,13 +246,18 @@ struct Visits {
 }
 
 impl Batch {
-    fn begin(&mut self, h: f32) {
-        let anew = self.pushes_anew();
-        for (i, mover) in self.movers.iter_mut().enumerate() {
-            let free = mover.begin(h);
-            self.before[i + 1] = free;
-            self.velocities[i + 1] = if anew { free } else { sum(&free, &self.carried[i + 1]) };
-        }
+    fn begin(&mut self, level: Level, h: f32) {
+        let carried = (!self.pushes_anew()).then_some(&self.carried[..]);
+        let (blocks, before, velocities) = (&mut self.movers.blocks, &mut self.before, &mut self.velocities);
+        dispatch!(level, simd => begin_all(simd, blocks, carried, before, velocities, h));
+    }
+
+    /// Takes the sweeps over, and moves.
+    fn advance(&mut self, level: Level, motion: &Motion) {
+        let blocks = &mut self.movers.blocks;
+        let (carried, before) = (&mut self.carried, &mut self.before);
+        let (velocities, ways) = (&mut self.velocities, &mut self.displacements);
+        dispatch!(level, simd => advance_all(simd, blocks, carried, before, velocities, ways, motion));
     }
 
     /// Rows of joints turn with their bodies: their impulses push along other ways than in the last substep.
@@ -281,31 +268,29 @@ impl Batch {
     /// Rows of joints for the poses as they are, and what arcs will add to their gaps in `h` seconds.
     fn aim_joints(&mut self, level: Level, h: f32) {
         if !self.joints.is_empty() {
-            self.joints.aim(level, &self.movers, &self.roots, &self.uneven, h);
+            self.joints.aim(level, &self.movers, &self.roots, h);
             self.outcome.work += self.joints.work.rows;
         }
     }
 
     /// Inertias of bodies with joints, and rows of their contacts, for the rotations as they are: limbs turn far in a step.
     fn weigh(&mut self, level: Level) {
-        self.old_roots.clear();
-        self.old_roots.push(Record::default());
-        self.old_roots.extend(self.movers.iter().map(Mover::root_record));
-        for indices in self.uneven.chunks(LANES) {
-            let movers = &self.movers;
-            let found = dispatch!(level, simd => turning::roots_of(simd, movers, indices));
-            for (lane, &i) in indices.iter().enumerate().filter(|(_, i)| self.joints.has(**i + 1)) {
-                let (mover, body) = (&mut self.movers[i as usize], i as usize + 1);
-                let of_lane = |lanes: &[Lane; 6]| lanes.map(|lanes| lanes[lane]);
-                mover.weigh(of_lane(&found.root), of_lane(&found.inverse), &mut self.displacements[body]);
-                self.roots[body] = mover.inverse_root_record();
-                self.velocities[body] = mover.record();
-                self.before[body] = self.velocities[body];
-            }
-        }
+        let movers = &mut self.movers.blocks;
+        let (roots, old, ways) = (&mut self.roots, &mut self.old_roots, &mut self.displacements);
+        let (before, velocities) = (&mut self.before, &mut self.velocities);
         let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
-        let (old, new) = (&self.old_roots[..], &self.roots[..]);
-        dispatch!(level, simd => reweigh_all(simd, blocks, scales, old, new));
+        dispatch!(level, simd => {
+            weigh_all(simd, movers, roots, old, ways, before, velocities);
+            reweigh_all(simd, blocks, scales, old, roots);
+        });
+    }
+
+    /// Moves bodies as joints ask for.
+    fn recover(&mut self, level: Level, pass: &JointPass, reversed: bool, h: f32) {
+        let pushes = self.joints.recover(level, pass, reversed);
+        let (blocks, ways) = (&mut self.movers.blocks, &mut self.displacements);
+        let (before, velocities) = (&mut self.before, &mut self.velocities);
+        dispatch!(level, simd => shift_all(simd, blocks, pushes, ways, before, velocities, h));
     }
 
     /// Errors of joints at the end of the step.
@@ -315,34 +300,11 @@ impl Batch {
         }
     }
 
+    /// Takes the sweeps after the motion over.
     fn end(&mut self, level: Level) {
-        for (i, mover) in self.movers.iter_mut().enumerate() {
-            let change = mover.take(&self.before[i + 1], &self.velocities[i + 1]);
-            self.carried[i + 1] = sum(&self.carried[i + 1], &change);
-        }
-        self.find_spins(level);
-    }
-
-    /// ω = I⁻¹L where L has changed.
-    fn find_spins(&mut self, level: Level) {
-        let (movers, uneven) = (&mut self.movers, &self.uneven);
-        dispatch!(level, simd => spins_of(simd, movers, uneven));
-        for mover in movers {
-            mover.find_spin();
-        }
-    }
-
-    /// Rotations after `h` seconds.
-    fn turn(&mut self, level: Level, scheme: RotationScheme, h: f32) {
-        let (movers, uneven) = (&mut self.movers, &self.uneven);
-        if scheme != RotationScheme::Splitting {
-            movers.iter_mut().for_each(|mover| mover.turn(scheme, h));
-            return;
-        }
-        dispatch!(level, simd => turns_of(simd, movers, uneven, h));
-        for mover in movers.iter_mut().filter(|mover| mover.spin().is_isotropic()) {
-            mover.turn(scheme, h);
-        }
+        let blocks = &mut self.movers.blocks;
+        let (carried, before, velocities) = (&mut self.carried, &self.before, &self.velocities);
+        dispatch!(level, simd => end_all(simd, blocks, carried, before, velocities));
     }
 
     /// Without warm start each substep begins from nothing.
@@ -411,21 +373,89 @@ impl Batch {
     }
 }
 
-fn sum(a: &Record, b: &Record) -> Record {
-    Record(std::array::from_fn(|k| a.0[k] + b.0[k]))
-}
-
 #[inline(always)]
-fn spins_of<S: Simd>(simd: S, movers: &mut [Mover], uneven: &[u32]) {
-    for indices in uneven.chunks(LANES) {
-        turning::find_spins(simd, movers, indices);
+fn begin_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    carried: Option<&[Record]>,
+    before: &mut [Record],
+    velocities: &mut [Record],
+    h: f32,
+) {
+    let carried = match carried {
+        Some(records) => records[1..].as_chunks().0,
+        None => &[],
+    };
+    let records = before[1..].as_chunks_mut().0.iter_mut().zip(velocities[1..].as_chunks_mut().0);
+    for (k, (block, (before, velocities))) in blocks.iter_mut().zip(records).enumerate() {
+        moving::begin(simd, block, carried.get(k), before, velocities, h);
     }
 }
 
 #[inline(always)]
-fn turns_of<S: Simd>(simd: S, movers: &mut [Mover], uneven: &[u32], h: f32) {
-    for indices in uneven.chunks(LANES) {
-        turning::turn(simd, movers, indices, h);
+fn advance_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    carried: &mut [Record],
+    before: &mut [Record],
+    velocities: &mut [Record],
+    ways: &mut [Record],
+    motion: &Motion,
+) {
+    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks_mut().0);
+    let records = records.zip(velocities[1..].as_chunks_mut().0).zip(ways[1..].as_chunks_mut().0);
+    for (block, (((carried, before), velocities), ways)) in blocks.iter_mut().zip(records) {
+        moving::advance(simd, block, carried, before, velocities, ways, motion);
+    }
+}
+
+#[inline(always)]
+fn end_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    carried: &mut [Record],
+    before: &[Record],
+    velocities: &[Record],
+) {
+    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks().0);
+    for (block, ((carried, before), velocities)) in blocks.iter_mut().zip(records.zip(velocities[1..].as_chunks().0)) {
+        moving::end(simd, block, carried, before, velocities);
+    }
+}
+
+#[inline(always)]
+fn weigh_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    roots: &mut [Record],
+    old_roots: &mut [Record],
+    ways: &mut [Record],
+    before: &mut [Record],
+    velocities: &mut [Record],
+) {
+    let records = roots[1..].as_chunks_mut().0.iter_mut().zip(old_roots[1..].as_chunks_mut().0);
+    let records = records.zip(ways[1..].as_chunks_mut().0).zip(before[1..].as_chunks_mut().0);
+    let records = records.zip(velocities[1..].as_chunks_mut().0);
+    for (block, ((((roots, old_roots), ways), before), velocities)) in blocks.iter_mut().zip(records) {
+        moving::write_roots(simd, block, old_roots);
+        moving::reweigh(simd, block, roots, ways, before, velocities);
+    }
+}
+
+#[inline(always)]
+fn shift_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    pushes: &[Record],
+    ways: &mut [Record],
+    before: &mut [Record],
+    velocities: &mut [Record],
+    h: f32,
+) {
+    let records = pushes[1..].as_chunks().0.iter().zip(ways[1..].as_chunks_mut().0);
+    let records = records.zip(before[1..].as_chunks_mut().0).zip(velocities[1..].as_chunks_mut().0);
+    for (block, (((pushes, ways), before), velocities)) in blocks.iter_mut().zip(records) {
+        moving::shift(simd, block, pushes, ways, before, velocities, h);
     }
 }
 
