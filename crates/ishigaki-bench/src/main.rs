@@ -19,7 +19,7 @@ use ishigaki::WorldOptions;
 use lockstep::Course;
 use report::Row;
 use scenes::Entry;
-use std::io::IsTerminal;
+use std::io::{self, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -98,6 +98,10 @@ fn main() -> ExitCode {
     };
     match perform(&arguments, &plan) {
         Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads has had enough: `--list | head`.
+        Err(error) if error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe) => {
+            ExitCode::SUCCESS
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
             ExitCode::FAILURE
@@ -139,8 +143,7 @@ fn plan(arguments: &Arguments) -> Result<Plan> {
 
 fn perform(arguments: &Arguments, plan: &Plan) -> Result<()> {
     if arguments.list {
-        print_list();
-        return Ok(());
+        return print_list();
     }
     if let Some(world) = &arguments.memory_child {
         return memory_child(arguments, plan, world == "empty");
@@ -151,18 +154,20 @@ fn perform(arguments: &Arguments, plan: &Plan) -> Result<()> {
         }
     }
     if !arguments.json {
-        println!("{}", report::table_head());
+        say(&report::table_head())?;
     }
     let mut rows = Vec::new();
     for entry in &plan.entries {
         let new = run_scene(arguments, plan, entry)?;
         if !arguments.json {
-            new.iter().for_each(|row| println!("{}", report::table_line(row)));
+            for row in &new {
+                say(&report::table_line(row))?;
+            }
         }
         rows.extend(new);
     }
     if arguments.json {
-        println!("{}", serde_json::to_string_pretty(&rows)?);
+        say(&serde_json::to_string_pretty(&rows)?)?;
     }
     if let Some(path) = &arguments.csv {
         write(path, &report::csv(&rows))?;
@@ -238,15 +243,21 @@ fn memory_child(arguments: &Arguments, plan: &Plan, empty: bool) -> Result<()> {
     memory::child(&entry.build()?, kind, &setup, empty, steps, arguments.limit)
 }
 
-fn print_list() {
-    println!("engines:");
+fn print_list() -> Result<()> {
+    say("engines:")?;
     for kind in KINDS {
-        println!("  {:<9} {}", kind.name, (kind.about)());
+        say(&format!("  {:<9} {}", kind.name, (kind.about)()))?;
     }
-    println!("scenes:");
+    say("scenes:")?;
     for entry in scenes::list() {
-        println!("  {:<18} {} steps", entry.name, entry.steps);
+        say(&format!("  {:<18} {} steps", entry.name, entry.steps))?;
     }
+    Ok(())
+}
+
+/// A line on stdout, which may be a pipe that is closed.
+fn say(line: &str) -> Result<()> {
+    Ok(writeln!(io::stdout(), "{line}")?)
 }
 
 /// Writes a file that appears only when it is complete.

@@ -13,11 +13,10 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, prepare};
 use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record, set};
-use crate::solver::wide::mover::{MoverBlock, Movers};
+use crate::solver::wide::mover::Movers;
 use crate::solver::wide::moving;
 use crate::solver::{slop, weight_amplification};
 use crate::world::JointState;
-use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 
 /// Colors that are told apart; what finds none of them free gets a block of its own.
@@ -194,7 +193,7 @@ impl Batch {
             records.resize(self.movers.records(), Record::default());
         }
         let (blocks, roots) = (&mut self.movers.blocks, &mut self.roots);
-        dispatch!(level, simd => weigh_all(simd, blocks, roots));
+        dispatch!(level, simd => moving::weigh_all(simd, blocks, roots));
         self.color(source.contacts);
         self.fill(source);
         let masses_are_true = !source.options.solver.weight_amplification.enabled;
@@ -334,12 +333,5 @@ impl Batch {
         let lanes = &mut self.scales[block];
         (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
         (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
-    }
-}
-
-#[inline(always)]
-fn weigh_all<S: Simd>(simd: S, blocks: &mut [MoverBlock], roots: &mut [Record]) {
-    for (block, roots) in blocks.iter_mut().zip(roots[1..].as_chunks_mut().0) {
-        moving::weigh(simd, block, roots);
     }
 }

@@ -92,7 +92,7 @@ impl<S: Simd> Twist<S> {
 
 /// v += h(F/m + g), L += hτ, damping; then u', with what the last substep carried over added to it.
 #[inline(always)]
-pub fn begin<S: Simd>(
+fn begin<S: Simd>(
     simd: S,
     block: &mut MoverBlock,
     carried: Option<&Eight>,
@@ -162,7 +162,7 @@ fn limit_each(block: &mut MoverBlock, motion: &Motion) {
 /// Takes sweeps over, then x += h v and the turn; the way adds to the displacement. `carried` gets what sweeps changed,
 /// `before` and `velocities` u' after the motion.
 #[inline(always)]
-pub fn advance<S: Simd>(
+fn advance<S: Simd>(
     simd: S,
     block: &mut MoverBlock,
     carried: &mut Eight,
@@ -189,7 +189,7 @@ fn record<S: Simd>(simd: S, block: &MoverBlock, before: &mut Eight, velocities: 
 
 /// Takes the sweeps after the motion over.
 #[inline(always)]
-pub fn end<S: Simd>(simd: S, block: &mut MoverBlock, carried: &mut Eight, before: &Eight, velocities: &Eight) {
+fn end<S: Simd>(simd: S, block: &mut MoverBlock, carried: &mut Eight, before: &Eight, velocities: &Eight) {
     let change = take(simd, block, before, velocities);
     Twist::read(simd, carried).plus(change).write(simd, carried);
 }
@@ -207,7 +207,7 @@ fn store_symmetric<S: Simd>(matrix: &Symmetric<S>, lanes: &mut [[f32; LANES]; 6]
 
 /// I^½ and I^−½ for the rotations as they are; the latter into records xx, xy, xz, 0, yy, yz, zz, 0.
 #[inline(always)]
-pub fn weigh<S: Simd>(simd: S, block: &mut MoverBlock, inverse_roots: &mut Eight) {
+fn weigh<S: Simd>(simd: S, block: &mut MoverBlock, inverse_roots: &mut Eight) {
     let [root, inverse] = roots(simd, block);
     store_symmetric(&root, &mut block.root);
     store_symmetric(&inverse, &mut block.inverse_root);
@@ -216,7 +216,7 @@ pub fn weigh<S: Simd>(simd: S, block: &mut MoverBlock, inverse_roots: &mut Eight
 
 /// The same for bodies whose joints turn with them; their ways so far and their u' are weighted anew.
 #[inline(always)]
-pub fn reweigh<S: Simd>(
+fn reweigh<S: Simd>(
     simd: S,
     block: &mut MoverBlock,
     inverse_roots: &mut Eight,
@@ -252,14 +252,14 @@ pub fn reweigh<S: Simd>(
 
 /// I^½ as records.
 #[inline(always)]
-pub fn write_roots<S: Simd>(simd: S, block: &MoverBlock, roots: &mut Eight) {
+fn write_roots<S: Simd>(simd: S, block: &MoverBlock, roots: &mut Eight) {
     let root = symmetric(simd, &block.root);
     write(simd, roots, root.upper, root.lower);
 }
 
 /// Moves by `h` seconds of mass-weighted velocities that are forgotten; L stays, ω follows.
 #[inline(always)]
-pub fn shift<S: Simd>(
+fn shift<S: Simd>(
     simd: S,
     block: &mut MoverBlock,
     pushes: &Eight,
@@ -309,4 +309,103 @@ pub fn pose<S: Simd>(simd: S, block: &MoverBlock, poses: &mut Eight) {
 #[inline(always)]
 pub fn swing<S: Simd>(simd: S, block: &MoverBlock, spins: &mut Eight) {
     write(simd, spins, V3::load(simd, &block.spin), gyration(simd, block));
+}
+
+/// `begin` for all; without `carried` each substep pushes its impulses anew.
+#[inline(always)]
+pub fn begin_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    carried: Option<&[Record]>,
+    before: &mut [Record],
+    velocities: &mut [Record],
+    h: f32,
+) {
+    let carried = match carried {
+        Some(records) => records[1..].as_chunks().0,
+        None => &[],
+    };
+    let records = before[1..].as_chunks_mut().0.iter_mut().zip(velocities[1..].as_chunks_mut().0);
+    for (k, (block, (before, velocities))) in blocks.iter_mut().zip(records).enumerate() {
+        begin(simd, block, carried.get(k), before, velocities, h);
+    }
+}
+
+/// `advance` for all.
+#[inline(always)]
+pub fn advance_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    carried: &mut [Record],
+    before: &mut [Record],
+    velocities: &mut [Record],
+    ways: &mut [Record],
+    motion: &Motion,
+) {
+    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks_mut().0);
+    let records = records.zip(velocities[1..].as_chunks_mut().0).zip(ways[1..].as_chunks_mut().0);
+    for (block, (((carried, before), velocities), ways)) in blocks.iter_mut().zip(records) {
+        advance(simd, block, carried, before, velocities, ways, motion);
+    }
+}
+
+/// `end` for all.
+#[inline(always)]
+pub fn end_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    carried: &mut [Record],
+    before: &[Record],
+    velocities: &[Record],
+) {
+    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks().0);
+    for (block, ((carried, before), velocities)) in blocks.iter_mut().zip(records.zip(velocities[1..].as_chunks().0)) {
+        end(simd, block, carried, before, velocities);
+    }
+}
+
+/// `reweigh` for all; `old_roots` gets I^½ as it was.
+#[inline(always)]
+pub fn reweigh_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    roots: &mut [Record],
+    old_roots: &mut [Record],
+    ways: &mut [Record],
+    before: &mut [Record],
+    velocities: &mut [Record],
+) {
+    let records = roots[1..].as_chunks_mut().0.iter_mut().zip(old_roots[1..].as_chunks_mut().0);
+    let records = records.zip(ways[1..].as_chunks_mut().0).zip(before[1..].as_chunks_mut().0);
+    let records = records.zip(velocities[1..].as_chunks_mut().0);
+    for (block, ((((roots, old_roots), ways), before), velocities)) in blocks.iter_mut().zip(records) {
+        write_roots(simd, block, old_roots);
+        reweigh(simd, block, roots, ways, before, velocities);
+    }
+}
+
+/// `shift` for all.
+#[inline(always)]
+pub fn shift_all<S: Simd>(
+    simd: S,
+    blocks: &mut [MoverBlock],
+    pushes: &[Record],
+    ways: &mut [Record],
+    before: &mut [Record],
+    velocities: &mut [Record],
+    h: f32,
+) {
+    let records = pushes[1..].as_chunks().0.iter().zip(ways[1..].as_chunks_mut().0);
+    let records = records.zip(before[1..].as_chunks_mut().0).zip(velocities[1..].as_chunks_mut().0);
+    for (block, (((pushes, ways), before), velocities)) in blocks.iter_mut().zip(records) {
+        shift(simd, block, pushes, ways, before, velocities, h);
+    }
+}
+
+/// `weigh` for all.
+#[inline(always)]
+pub fn weigh_all<S: Simd>(simd: S, blocks: &mut [MoverBlock], roots: &mut [Record]) {
+    for (block, roots) in blocks.iter_mut().zip(roots[1..].as_chunks_mut().0) {
+        weigh(simd, block, roots);
+    }
 }

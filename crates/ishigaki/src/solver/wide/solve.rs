@@ -15,7 +15,6 @@ use crate::solver::wide::batch::{Batch, IslandState, Outcome};
 use crate::solver::wide::contact_block::{self as kernel, Biases, SweepPass};
 use crate::solver::wide::joint_block::JointPass;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
-use crate::solver::wide::mover::MoverBlock;
 use crate::solver::wide::moving::{self, Motion};
 use crate::solver::work;
 use crate::world::World;
@@ -249,7 +248,7 @@ impl Batch {
     fn begin(&mut self, level: Level, h: f32) {
         let carried = (!self.pushes_anew()).then_some(&self.carried[..]);
         let (blocks, before, velocities) = (&mut self.movers.blocks, &mut self.before, &mut self.velocities);
-        dispatch!(level, simd => begin_all(simd, blocks, carried, before, velocities, h));
+        dispatch!(level, simd => moving::begin_all(simd, blocks, carried, before, velocities, h));
     }
 
     /// Takes the sweeps over, and moves.
@@ -257,7 +256,7 @@ impl Batch {
         let blocks = &mut self.movers.blocks;
         let (carried, before) = (&mut self.carried, &mut self.before);
         let (velocities, ways) = (&mut self.velocities, &mut self.displacements);
-        dispatch!(level, simd => advance_all(simd, blocks, carried, before, velocities, ways, motion));
+        dispatch!(level, simd => moving::advance_all(simd, blocks, carried, before, velocities, ways, motion));
     }
 
     /// Rows of joints turn with their bodies: their impulses push along other ways than in the last substep.
@@ -280,7 +279,7 @@ impl Batch {
         let (before, velocities) = (&mut self.before, &mut self.velocities);
         let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
         dispatch!(level, simd => {
-            weigh_all(simd, movers, roots, old, ways, before, velocities);
+            moving::reweigh_all(simd, movers, roots, old, ways, before, velocities);
             reweigh_all(simd, blocks, scales, old, roots);
         });
     }
@@ -290,7 +289,7 @@ impl Batch {
         let pushes = self.joints.recover(level, pass, reversed);
         let (blocks, ways) = (&mut self.movers.blocks, &mut self.displacements);
         let (before, velocities) = (&mut self.before, &mut self.velocities);
-        dispatch!(level, simd => shift_all(simd, blocks, pushes, ways, before, velocities, h));
+        dispatch!(level, simd => moving::shift_all(simd, blocks, pushes, ways, before, velocities, h));
     }
 
     /// Errors of joints at the end of the step.
@@ -304,7 +303,7 @@ impl Batch {
     fn end(&mut self, level: Level) {
         let blocks = &mut self.movers.blocks;
         let (carried, before, velocities) = (&mut self.carried, &self.before, &self.velocities);
-        dispatch!(level, simd => end_all(simd, blocks, carried, before, velocities));
+        dispatch!(level, simd => moving::end_all(simd, blocks, carried, before, velocities));
     }
 
     /// Without warm start each substep begins from nothing.
@@ -370,92 +369,6 @@ impl Batch {
         let mut sum = work::Manifolds::default();
         self.places.iter().for_each(|place| sum.add(place.size.points() as u64, passes));
         sum
-    }
-}
-
-#[inline(always)]
-fn begin_all<S: Simd>(
-    simd: S,
-    blocks: &mut [MoverBlock],
-    carried: Option<&[Record]>,
-    before: &mut [Record],
-    velocities: &mut [Record],
-    h: f32,
-) {
-    let carried = match carried {
-        Some(records) => records[1..].as_chunks().0,
-        None => &[],
-    };
-    let records = before[1..].as_chunks_mut().0.iter_mut().zip(velocities[1..].as_chunks_mut().0);
-    for (k, (block, (before, velocities))) in blocks.iter_mut().zip(records).enumerate() {
-        moving::begin(simd, block, carried.get(k), before, velocities, h);
-    }
-}
-
-#[inline(always)]
-fn advance_all<S: Simd>(
-    simd: S,
-    blocks: &mut [MoverBlock],
-    carried: &mut [Record],
-    before: &mut [Record],
-    velocities: &mut [Record],
-    ways: &mut [Record],
-    motion: &Motion,
-) {
-    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks_mut().0);
-    let records = records.zip(velocities[1..].as_chunks_mut().0).zip(ways[1..].as_chunks_mut().0);
-    for (block, (((carried, before), velocities), ways)) in blocks.iter_mut().zip(records) {
-        moving::advance(simd, block, carried, before, velocities, ways, motion);
-    }
-}
-
-#[inline(always)]
-fn end_all<S: Simd>(
-    simd: S,
-    blocks: &mut [MoverBlock],
-    carried: &mut [Record],
-    before: &[Record],
-    velocities: &[Record],
-) {
-    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks().0);
-    for (block, ((carried, before), velocities)) in blocks.iter_mut().zip(records.zip(velocities[1..].as_chunks().0)) {
-        moving::end(simd, block, carried, before, velocities);
-    }
-}
-
-#[inline(always)]
-fn weigh_all<S: Simd>(
-    simd: S,
-    blocks: &mut [MoverBlock],
-    roots: &mut [Record],
-    old_roots: &mut [Record],
-    ways: &mut [Record],
-    before: &mut [Record],
-    velocities: &mut [Record],
-) {
-    let records = roots[1..].as_chunks_mut().0.iter_mut().zip(old_roots[1..].as_chunks_mut().0);
-    let records = records.zip(ways[1..].as_chunks_mut().0).zip(before[1..].as_chunks_mut().0);
-    let records = records.zip(velocities[1..].as_chunks_mut().0);
-    for (block, ((((roots, old_roots), ways), before), velocities)) in blocks.iter_mut().zip(records) {
-        moving::write_roots(simd, block, old_roots);
-        moving::reweigh(simd, block, roots, ways, before, velocities);
-    }
-}
-
-#[inline(always)]
-fn shift_all<S: Simd>(
-    simd: S,
-    blocks: &mut [MoverBlock],
-    pushes: &[Record],
-    ways: &mut [Record],
-    before: &mut [Record],
-    velocities: &mut [Record],
-    h: f32,
-) {
-    let records = pushes[1..].as_chunks().0.iter().zip(ways[1..].as_chunks_mut().0);
-    let records = records.zip(before[1..].as_chunks_mut().0).zip(velocities[1..].as_chunks_mut().0);
-    for (block, (((pushes, ways), before), velocities)) in blocks.iter_mut().zip(records) {
-        moving::shift(simd, block, pushes, ways, before, velocities, h);
     }
 }
 
