@@ -135,9 +135,8 @@ const WIDTH: usize = 4;
 const TRIES: usize = 3;
 
 impl World {
-    /// Corrects the impulses of all islands that stand on the ground in levels. A correction holds for all substeps of a
-    /// step: loads change with contacts, and these are found once. Hand-down is cheap and made in each.
-    pub(crate) fn correct_levels(&self, plan: &mut Plan, h: f32, is_first: bool) {
+    /// Corrects the impulses of all islands that stand on the ground in levels.
+    pub(crate) fn correct_levels(&self, plan: &mut Plan, h: f32) {
         let mut work = std::mem::take(&mut plan.level_correction);
         self.gather_members(plan, &mut work, h);
         let mut members = std::mem::take(&mut work.members);
@@ -154,8 +153,6 @@ impl World {
                 let is_dear = is_dear(island.len(), island[active - 1].level as usize);
                 let worth_it = if is_dear && self.options.solver.hand_down.enabled {
                     self.hand_down_island(plan, &mut work, island, active, scale)
-                } else if !is_first {
-                    true
                 } else {
                     let worth_it = self.correct_island(plan, &mut work, island, active, scale);
                     work.remember();

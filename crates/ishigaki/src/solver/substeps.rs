@@ -53,7 +53,7 @@ impl World {
     fn substep(&mut self, plan: &mut Plan, h: f32, substep: u32) {
         self.prepare_substep(plan, h, substep);
         self.start_warm(plan);
-        self.velocity_sweeps(plan, h, substep);
+        self.velocity_sweeps(plan, h, substep + 1 == plan.substeps);
         self.commit_velocities(plan);
         self.move_bodies(plan, h);
         if !plan.joints.is_empty() {
@@ -312,20 +312,20 @@ impl World {
     }
 
     /// The sweeps with recovery; with blended shock propagation, both solutions and their mean.
-    fn velocity_sweeps(&mut self, plan: &mut Plan, h: f32, substep: u32) {
+    fn velocity_sweeps(&mut self, plan: &mut Plan, h: f32, is_last: bool) {
         if self.blends_shock() {
             self.blended_sweeps(plan);
         } else {
-            self.sweeps(plan, h, substep == 0);
+            self.sweeps(plan, h);
         }
-        if self.options.report.residual && substep + 1 == plan.substeps {
+        if self.options.report.residual && is_last {
             self.report.residual = residual::residual(&plan.rows, &plan.blocks, &plan.bodies);
         }
     }
 
-    fn sweeps(&mut self, plan: &mut Plan, h: f32, is_first: bool) {
+    fn sweeps(&mut self, plan: &mut Plan, h: f32) {
         if self.corrects_levels() {
-            self.correct_levels(plan, h, is_first);
+            self.correct_levels(plan, h);
             for body in plan.level_correction.pauses.drain(..) {
                 self.bodies.at_mut(body).no_correction_until = self.step_count + level_correction::PAUSE;
             }
@@ -371,7 +371,7 @@ impl World {
         let scales: Vec<MassScale> = plan.rows.iter().map(|r| r.scale).collect();
 
         apply_all(plan);
-        self.sweeps(plan, 0.0, true);
+        self.sweeps(plan, 0.0);
         let plain: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
         let plain_bodies = std::mem::replace(&mut plan.bodies, start);
 

@@ -28,7 +28,7 @@ impl World {
         for (place, m) in chosen.zip(&aid.manifolds) {
             copy_in(&batch.blocks[place.block as usize], place.lane as usize, m, &mut aid.rows);
         }
-        self.correct_levels(aid, pass.h, true);
+        self.correct_levels(aid, pass.h);
         let chosen = batch.places.iter().filter(|p| wanted[p.island as usize]);
         for (place, m) in chosen.zip(&aid.manifolds) {
             copy_out(&mut batch.blocks[place.block as usize], place.lane as usize, m, &aid.rows);

@@ -83,7 +83,7 @@ impl World {
                 if looks {
                     batch.look(level, &pass);
                     batch.outcome.work += work.looks;
-                    let is_calm = self.correct_batch(batch, aid, &pass, substep == 0);
+                    let is_calm = self.correct_batch(batch, aid, &pass);
                     if is_calm && substeps < solver_substeps {
                         // The impulses are found: one sweep keeps them so.
                         (sweeps, order) = (2, Order::for_sweeps(2));
@@ -139,8 +139,8 @@ impl World {
             || batch.outcome.pauses.contains(&island.first_body)
     }
 
-    /// Corrects the loads of stacks that are not at rest, narrow ones in the first substep alone; whether there were none.
-    fn correct_batch(&self, batch: &mut Batch, aid: &mut Plan, pass: &SweepPass, is_first: bool) -> bool {
+    /// Corrects the loads of stacks that are not at rest; whether there were none.
+    fn correct_batch(&self, batch: &mut Batch, aid: &mut Plan, pass: &SweepPass) -> bool {
         let g = self.options.gravity.length();
         let mut wanted = std::mem::take(&mut aid.chosen);
         wanted.clear();
@@ -153,7 +153,7 @@ impl World {
         if self.options.solver.hand_down.enabled && self.corrects_levels() {
             self.hand_down_dear(batch, &mut aid.hand_down, &mut wanted, pass);
         }
-        if is_first && self.corrects_levels() && wanted.contains(&true) {
+        if self.corrects_levels() && wanted.contains(&true) {
             self.correct_loads(batch, aid, &wanted, pass);
             batch.outcome.pauses.append(&mut aid.level_correction.pauses);
         }
