@@ -12,7 +12,7 @@ mod turn;
 mod visit;
 
 pub use turn::{look_ahead, see, turn};
-pub use visit::{add_up, residual, visit, warm_start};
+pub use visit::{add_up, greatest_change, visit, warm_start};
 
 const ZERO: Lane = [0.0; LANES];
 const ZERO3: Lane3 = [ZERO; 3];

@@ -296,12 +296,7 @@ impl Joints {
 
     /// A visit to each joint; with `add_up` λ is what the substep leaves.
     pub fn sweep(&mut self, level: Level, velocities: &mut [Record], pass: &JointPass, reversed: bool, add_up: bool) {
-        let blocks = &mut self.blocks[..];
-        if reversed {
-            dispatch!(level, simd => sweep::<_, true>(simd, blocks, velocities, pass, add_up));
-        } else {
-            dispatch!(level, simd => sweep::<_, false>(simd, blocks, velocities, pass, add_up));
-        }
+        visit_all(level, &mut self.blocks, velocities, pass, reversed, add_up);
     }
 
     /// Velocities toward what joints ask for: `joint_recovery.rs`. They are moved along and forgotten.
@@ -329,9 +324,23 @@ impl Joints {
     }
 
     /// Greatest change of an impulse that a visit would make.
-    pub fn residual(&self, level: Level, velocities: &[Record], pass: &JointPass) -> f32 {
-        let blocks = &self.blocks;
-        dispatch!(level, simd => residual_of(simd, blocks, velocities, pass))
+    pub fn residual(&mut self, level: Level, velocities: &[Record], pass: &JointPass) -> f32 {
+        if self.is_empty() {
+            return 0.0;
+        }
+        let mut seen = std::mem::take(&mut self.pushes);
+        seen.copy_from_slice(velocities);
+        let mut greatest = 0.0;
+        for block in &self.blocks {
+            let mut visited = [*block];
+            visit_all(level, &mut visited, &mut seen, pass, false, false);
+            for &body in block.bodies.as_flattened() {
+                seen[body as usize] = velocities[body as usize];
+            }
+            greatest = kernel::greatest_change(greatest, &visited[0], block);
+        }
+        self.pushes = seen;
+        greatest
     }
 
     /// Errors at the end of the step.
@@ -406,6 +415,21 @@ fn warm_start_all<S: Simd>(simd: S, blocks: &[JointBlock], velocities: &mut [Rec
     }
 }
 
+fn visit_all(
+    level: Level,
+    blocks: &mut [JointBlock],
+    velocities: &mut [Record],
+    pass: &JointPass,
+    reversed: bool,
+    add_up: bool,
+) {
+    if reversed {
+        dispatch!(level, simd => sweep::<_, true>(simd, blocks, velocities, pass, add_up));
+    } else {
+        dispatch!(level, simd => sweep::<_, false>(simd, blocks, velocities, pass, add_up));
+    }
+}
+
 #[inline(always)]
 fn sweep<S: Simd, const REVERSED: bool>(
     simd: S,
@@ -436,14 +460,4 @@ fn see_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record]) {
     for block in blocks {
         kernel::see(simd, block, poses);
     }
-}
-
-#[inline(always)]
-fn residual_of<S: Simd>(simd: S, blocks: &[JointBlock], velocities: &[Record], pass: &JointPass) -> f32 {
-    let mut greatest = 0.0_f32;
-    for block in blocks {
-        let of_block = kernel::residual(simd, block, velocities, pass);
-        greatest = if of_block > greatest { of_block } else { greatest };
-    }
-    greatest
 }

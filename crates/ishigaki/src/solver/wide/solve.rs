@@ -14,7 +14,7 @@ use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{Batch, IslandState, Outcome};
 use crate::solver::wide::contact_block::{self as kernel, Biases, SweepPass};
 use crate::solver::wide::joint_block::JointPass;
-use crate::solver::wide::lanes::{LANES, Lane, Record};
+use crate::solver::wide::lanes::{LANES, Lane, Record, splat, store};
 use crate::solver::wide::moving::{self, Motion};
 use crate::solver::work;
 use crate::world::World;
@@ -95,7 +95,7 @@ impl World {
                     batch.sweep(level, &pass, &velocity, Visits { reversed: order.reversed, biases, add_up: false });
                 }
                 if is_last && self.options.report.residual {
-                    batch.outcome.residual = batch.residual(level, &velocity);
+                    batch.outcome.residual = batch.residual(level, &pass, &velocity);
                 }
             }
             batch.advance(level, &motion);
@@ -324,10 +324,7 @@ impl Batch {
 
     /// Biases of the rows; loads and unrest of the islands.
     fn look(&mut self, level: Level, pass: &SweepPass) {
-        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
-        let (velocities, unrest) = (&self.velocities, &mut self.unrest);
-        unrest.clear();
-        dispatch!(level, simd => look_at_all(simd, blocks, displacements, velocities, pass, unrest));
+        self.inspect(level, pass, Biases::Recover);
         for island in &mut self.islands {
             (island.load, island.unrest) = (0.0, 0.0);
         }
@@ -359,10 +356,21 @@ impl Batch {
         }
     }
 
-    fn residual(&self, level: Level, joints: &JointPass) -> f32 {
-        let (blocks, velocities) = (&self.blocks, &self.velocities);
-        let of_contacts = dispatch!(level, simd => residual_of(simd, blocks, velocities));
-        of_contacts.max(self.joints.residual(level, velocities, joints))
+    fn residual(&mut self, level: Level, pass: &SweepPass, joints: &JointPass) -> f32 {
+        let of_contacts = self.inspect(level, pass, Biases::Keep);
+        of_contacts.max(self.joints.residual(level, &self.velocities, joints))
+    }
+
+    /// How far each block is from rest; the greatest change of an impulse that a visit would make.
+    fn inspect(&mut self, level: Level, pass: &SweepPass, biases: Biases) -> f32 {
+        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
+        let (velocities, unrest) = (&self.velocities, &mut self.unrest);
+        unrest.clear();
+        let mut residual = [0.0; LANES];
+        dispatch!(level, simd => {
+            inspect_all(simd, blocks, displacements, velocities, pass, biases, unrest, &mut residual);
+        });
+        residual.into_iter().fold(0.0, f32::max)
     }
 
     fn manifold_work(&self, passes: u64) -> work::Manifolds {
@@ -385,20 +393,29 @@ fn warm_start_all<S: Simd>(
 }
 
 #[inline(always)]
-fn look_at_all<S: Simd>(
+#[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
+fn inspect_all<S: Simd>(
     simd: S,
     blocks: &mut [kernel::ContactBlock],
     displacements: &[Record],
     velocities: &[Record],
     pass: &SweepPass,
+    biases: Biases,
     unrest: &mut Vec<Lane>,
+    residual: &mut Lane,
 ) {
+    let mut greatest = splat(simd, 0.0);
     for block in blocks {
-        kernel::measure(simd, block, displacements, pass, Biases::Recover);
+        if biases != Biases::Keep {
+            kernel::measure(simd, block, displacements, pass, biases);
+        }
+        let found = kernel::inspect(simd, block, velocities);
+        greatest = found.residual.simd_gt(greatest).select(found.residual, greatest);
         let mut lanes = [0.0; LANES];
-        kernel::inspect(simd, block, velocities).energy.store_slice(&mut lanes);
+        store(found.energy, &mut lanes);
         unrest.push(lanes);
     }
+    store(greatest, residual);
 }
 
 #[inline(always)]
@@ -451,15 +468,4 @@ fn sweep<S: Simd>(
             kernel::add_up(simd, block);
         }
     }
-}
-
-#[inline(always)]
-fn residual_of<S: Simd>(simd: S, blocks: &[kernel::ContactBlock], velocities: &[Record]) -> f32 {
-    let mut greatest = 0.0_f32;
-    for block in blocks {
-        let mut lanes = [0.0; LANES];
-        kernel::inspect(simd, block, velocities).residual.store_slice(&mut lanes);
-        greatest = lanes.into_iter().fold(greatest, f32::max);
-    }
-    greatest
 }

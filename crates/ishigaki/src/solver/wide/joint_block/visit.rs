@@ -226,13 +226,9 @@ pub fn add_up<S: Simd>(simd: S, block: &mut JointBlock) {
     }
 }
 
-/// Greatest change of an impulse that a visit would make, N·s or N·m·s.
-#[inline(always)]
-pub fn residual<S: Simd>(simd: S, block: &JointBlock, velocities: &[Record], pass: &JointPass) -> f32 {
-    let mut sides = Sides::gather(simd, velocities, &block.bodies[0], &block.bodies[1]);
-    let mut visited = *block;
-    visit_rows::<S, false>(simd, &mut visited, &mut sides, pass);
-    let mut greatest = change(0.0, &visited.lambda, &block.lambda);
+/// The greatest change of an impulse by a visit, N·s or N·m·s, if it is greater than `least`.
+pub fn greatest_change(least: f32, visited: &JointBlock, block: &JointBlock) -> f32 {
+    let mut greatest = change(least, &visited.lambda, &block.lambda);
     for (new, old) in visited.ranges.iter().zip(&block.ranges) {
         greatest = change(greatest, &new.lambda, &old.lambda);
     }
@@ -242,7 +238,6 @@ pub fn residual<S: Simd>(simd: S, block: &JointBlock, velocities: &[Record], pas
     greatest
 }
 
-#[inline(always)]
 fn change<const N: usize>(mut greatest: f32, new: &[Lane; N], old: &[Lane; N]) -> f32 {
     for (new, old) in new.iter().zip(old) {
         for (new, old) in new.iter().zip(old) {
