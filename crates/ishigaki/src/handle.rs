@@ -4,6 +4,7 @@
 //! been used again. Iteration is by slot index: an order that depends only on the history of calls.
 
 use crate::error::{Error, Result};
+use crate::threads::{Cut, Workers};
 use serde::{Deserialize, Serialize};
 
 macro_rules! handle {
@@ -128,6 +129,23 @@ impl<T> Arena<T> {
         self.slots.iter_mut().enumerate().filter_map(|(i, s)| s.value.as_mut().map(|v| (i as u32, v)))
     }
 
+    /// Calls `work` for each object and its slot, on several threads if there are.
+    pub fn for_each(&mut self, workers: &Workers, work: impl Fn(u32, &mut T) + Sync + Send)
+    where
+        T: Send,
+    {
+        workers.for_each_of_many(&mut self.slots, |index, slot| {
+            if let Some(value) = &mut slot.value {
+                work(index as u32, value);
+            }
+        });
+    }
+
+    /// All slots, to be cut in parts.
+    pub fn all(&mut self) -> Slots<'_, T> {
+        Slots { first: 0, slots: &mut self.slots }
+    }
+
     /// The object in a slot, if there is such a slot and it is in use.
     pub fn in_use(&self, index: u32) -> Option<&T> {
         self.slots.get(index as usize)?.value.as_ref()
@@ -149,5 +167,26 @@ impl<T> Arena<T> {
     /// How many slots there are, free ones included: every index is below it.
     pub fn slot_count(&self) -> usize {
         self.slots.len()
+    }
+}
+
+/// Neighboring slots of an arena.
+pub(crate) struct Slots<'a, T> {
+    first: u32,
+    slots: &'a mut [Slot<T>],
+}
+
+impl<T: Send> Cut for Slots<'_, T> {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        let middle = self.slots.len() * part / of;
+        let (slots, others) = self.slots.split_at_mut(middle);
+        (Self { first: self.first, slots }, Self { first: self.first + middle as u32, slots: others })
+    }
+}
+
+impl<'a, T> Slots<'a, T> {
+    /// The objects and their slots.
+    pub fn objects(self) -> impl Iterator<Item = (u32, &'a mut T)> {
+        (self.first..).zip(self.slots).filter_map(|(index, slot)| slot.value.as_mut().map(|value| (index, value)))
     }
 }

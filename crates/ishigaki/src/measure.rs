@@ -14,11 +14,9 @@ impl World {
         report.pairs = self.pairs.len();
         report.wide_rows = plan.wide.rows;
         report.rows = plan.rows.len() + plan.wide.rows;
-        for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
-            report.contacts += 1;
-            for point in contact.manifolds.iter().flat_map(|m| &m.points) {
-                report.max_penetration = report.max_penetration.max(-point.separation);
-            }
+        for sums in &self.scratch.contact_sums {
+            report.contacts += sums.contacts;
+            report.max_penetration = report.max_penetration.max(sums.max_penetration);
         }
         for (_, joint) in self.joints.iter() {
             report.max_joint_error = report.max_joint_error.max(joint.anchor_error);

@@ -1,12 +1,16 @@
 //! One step: the ten stages in their order, and nothing else. The stages live in the folders.
 
+use crate::collision::link::Link;
+use crate::collision::manifold::Contact;
+use crate::collision::pairs::Moves;
 use crate::collision::proxy::Proxies;
-use crate::collision::update::NarrowScratch;
+use crate::collision::update::Part;
 use crate::hooks::StepContext;
 use crate::island::{aggressive_sleep, sleep};
 use crate::report::{Stage, StepReport};
 use crate::solver::height;
 use crate::solver::plan::{self, Plan};
+use crate::solver::wide::storing::ContactSums;
 use crate::world::World;
 
 /// Steps outside this range divide by nothing or leave f32, s.
@@ -17,15 +21,20 @@ const LONGEST_STEP: f32 = 1e6;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     pub moved_shapes: Vec<u32>,
+    pub moves: Vec<Moves>,
+    pub pair_lists: Vec<Vec<(u32, u32)>>,
     pub new_pairs: Vec<(u32, u32)>,
     pub gone_pairs: Vec<(u32, u32, bool)>,
     pub proxies: Proxies,
-    pub narrow: NarrowScratch,
+    pub narrow: Vec<Part>,
+    pub new_contacts: Vec<Contact>,
+    pub links: Vec<Link>,
+    pub contact_sums: Vec<ContactSums>,
     pub parents: Vec<u32>,
     pub awake_roots: Vec<bool>,
     pub island_numbers: Vec<u32>,
     pub restless_islands: Vec<bool>,
-    pub links: Vec<(u32, u32)>,
+    pub supports: Vec<(u32, u32)>,
     pub heights: Vec<u32>,
     pub is_ground: Vec<bool>,
     pub height: height::Scratch,
@@ -45,7 +54,8 @@ impl World {
     /// # Ok::<(), ishigaki::Error>(())
     /// ```
     pub fn step(&mut self, dt: f32) -> StepReport {
-        self.step_with(dt, &mut StepContext::default())
+        let workers = self.workers.clone();
+        workers.inside(|| self.step_with(dt, &mut StepContext::default()))
     }
 
     /// Advances by `dt` seconds with a clock for stage timings and a say in contacts.
@@ -60,7 +70,7 @@ impl World {
             watch.lap(Stage::FindPairs);
             self.update_contacts(dt, context.hooks.as_deref_mut());
             watch.lap(Stage::UpdateContacts);
-            self.build_islands(dt);
+            self.build_islands();
             watch.lap(Stage::BuildIslands);
             self.gather_forces(dt);
             watch.lap(Stage::GatherForces);
@@ -151,7 +161,7 @@ impl World {
         if rest.sleep.enabled {
             self.put_islands_to_sleep();
         }
-        self.notice_impacts();
+        self.tell_impacts();
         self.break_joints();
         self.notice_forces(dt);
     }

@@ -9,6 +9,15 @@ pub(crate) struct Workers {
 }
 
 impl Workers {
+    /// Calls `work` on one of the threads, which the others then help: they need not be called for each part of it.
+    pub fn inside<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = &self.pool {
+            return pool.install(work);
+        }
+        work()
+    }
+
     /// Calls `work` for each item.
     pub fn for_each<T: Send>(&self, items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
         #[cfg(feature = "threads")]
@@ -19,6 +28,90 @@ impl Workers {
         }
         items.iter_mut().for_each(work);
     }
+
+    /// Calls `work` for each item and its index. Neighbors stay together: items are small.
+    pub fn for_each_of_many<T: Send>(&self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync + Send) {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = self.pool.as_ref().filter(|_| items.len() > FEW) {
+            use rayon::prelude::*;
+            pool.install(|| items.par_iter_mut().enumerate().with_min_len(FEW).for_each(|(i, item)| work(i, item)));
+            return;
+        }
+        items.iter_mut().enumerate().for_each(|(i, item)| work(i, item));
+    }
+
+    /// How many parts to cut `items` into: some for each thread, since parts take unequal times; one if there are few.
+    pub fn parts(&self, items: usize) -> usize {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = &self.pool {
+            return (items / FEW).clamp(1, 4 * pool.current_num_threads());
+        }
+        let _ = items;
+        1
+    }
+
+    /// Cuts `whole` into as many parts as there are outputs, and calls `work` for each part and its output.
+    pub fn in_parts<W: Cut, T: Send>(&self, whole: W, outputs: &mut [T], work: impl Fn(W, &mut T) + Sync) {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = self.pool.as_ref().filter(|_| outputs.len() > 1) {
+            pool.install(|| halve(whole, outputs, &work));
+            return;
+        }
+        halve(whole, outputs, &work);
+    }
+}
+
+/// Fewer items than this are not worth a thread.
+const FEW: usize = 128;
+
+/// What can be cut in two.
+pub(crate) trait Cut: Send + Sized {
+    /// The first `part` of `of` parts, and the rest.
+    fn cut(self, part: usize, of: usize) -> (Self, Self);
+}
+
+impl<A: Cut, B: Cut> Cut for (A, B) {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        let ((a, other_a), (b, other_b)) = (self.0.cut(part, of), self.1.cut(part, of));
+        ((a, b), (other_a, other_b))
+    }
+}
+
+impl<T: Sync> Cut for &[T] {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        self.split_at(self.len() * part / of)
+    }
+}
+
+impl<T: Send> Cut for &mut [T] {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        let middle = self.len() * part / of;
+        self.split_at_mut(middle)
+    }
+}
+
+fn halve<W: Cut, T: Send>(whole: W, outputs: &mut [T], work: &(impl Fn(W, &mut T) + Sync)) {
+    match outputs {
+        [] => {}
+        [output] => work(whole, output),
+        _ => {
+            let half = outputs.len() / 2;
+            let (first, rest) = whole.cut(half, outputs.len());
+            let (outputs_of_first, outputs_of_rest) = outputs.split_at_mut(half);
+            both(|| halve(first, outputs_of_first, work), || halve(rest, outputs_of_rest, work));
+        }
+    }
+}
+
+/// Both, side by side on the threads that this is called on.
+fn both(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+    #[cfg(feature = "threads")]
+    if rayon::current_thread_index().is_some() {
+        rayon::join(a, b);
+        return;
+    }
+    a();
+    b();
 }
 
 #[cfg(feature = "threads")]

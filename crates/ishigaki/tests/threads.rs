@@ -1,7 +1,7 @@
 //! The same bits on any number of threads.
 #![cfg(feature = "threads")]
 
-use ishigaki::{Body, Joint, Shape, Vec3, World};
+use ishigaki::{Body, ContactHooks, Joint, PairView, Shape, ShapeId, StepContext, Vec3, World};
 
 const DT: f32 = 1.0 / 60.0;
 
@@ -44,14 +44,43 @@ fn threads_do_not_change_a_bit() {
         let mut world = World::default();
         world.set_threads(threads).unwrap();
         scene(&mut world);
-        (0..60).for_each(|_| drop(world.step(DT)));
-        assert_eq!(world.report().wide_rows, world.report().rows);
-        (world.state_hash(), world.report().work)
+        let mut events = Vec::new();
+        for _ in 0..60 {
+            world.step(DT);
+            events.extend_from_slice(world.events());
+        }
+        let report = world.report();
+        assert_eq!(report.wide_rows, report.rows);
+        assert!(events.len() > 1000, "{} events", events.len());
+        let counts = [report.pairs, report.contacts, report.narrow_phase_calls, report.ids_matched, report.frozen];
+        (world.state_hash(), report.work, counts, report.max_penetration.to_bits(), format!("{events:?}"))
     };
     let alone = hash(1);
     for threads in [2, 3, 8] {
-        assert_eq!(hash(threads), alone, "{threads} threads");
+        assert!(hash(threads) == alone, "{threads} threads");
     }
+}
+
+#[test]
+fn hooks_are_called_in_the_order_of_pairs() {
+    struct Log(Vec<(ShapeId, ShapeId)>);
+    impl ContactHooks for Log {
+        fn allow(&mut self, pair: &PairView<'_>) -> bool {
+            self.0.push((pair.a, pair.b));
+            true
+        }
+    }
+    let calls = |threads: usize| {
+        let mut world = World::default();
+        world.set_threads(threads).unwrap();
+        scene(&mut world);
+        let mut log = Log(Vec::new());
+        world.step_with(DT, &mut StepContext { hooks: Some(&mut log), ..StepContext::default() });
+        (log.0, world.state_hash())
+    };
+    let (alone, several) = (calls(1), calls(2));
+    assert!(alone.0.is_sorted_by_key(|(a, _)| a.body) && alone.0.len() > 1000);
+    assert!(several == alone);
 }
 
 #[test]

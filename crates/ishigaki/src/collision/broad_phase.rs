@@ -12,6 +12,7 @@
 
 use crate::math::Vec3;
 use crate::shape::HUGE_LENGTH;
+use crate::threads::Workers;
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 use serde::{Deserialize, Serialize};
@@ -150,20 +151,39 @@ impl BroadPhase {
     ///
     /// `is_wanted(a, b)` filters them; it must be the same function of (a, b) whenever it is asked. `out` is
     /// cleared first.
-    pub fn pairs_of(&self, moved: &[u32], mut is_wanted: impl FnMut(u32, u32) -> bool, out: &mut Vec<(u32, u32)>) {
+    pub fn pairs_of(&self, moved: &[u32], is_wanted: impl Fn(u32, u32) -> bool + Sync, out: &mut Vec<(u32, u32)>) {
+        self.pairs_in_parts(moved, is_wanted, &Workers::default(), &mut Vec::new(), out);
+    }
+
+    /// The same on several threads, with lists that are used again.
+    pub(crate) fn pairs_in_parts(
+        &self,
+        moved: &[u32],
+        is_wanted: impl Fn(u32, u32) -> bool + Sync,
+        workers: &Workers,
+        lists: &mut Vec<Vec<(u32, u32)>>,
+        out: &mut Vec<(u32, u32)>,
+    ) {
+        lists.resize_with(workers.parts(moved.len()), Vec::new);
+        workers.in_parts(moved, lists, |moved, list| self.list_pairs(moved, &is_wanted, list));
         out.clear();
+        lists.iter_mut().for_each(|list| out.append(list));
+        // A pair of which both moved was found twice.
+        out.sort_unstable();
+        out.dedup();
+    }
+
+    fn list_pairs(&self, moved: &[u32], is_wanted: impl Fn(u32, u32) -> bool, list: &mut Vec<(u32, u32)>) {
+        list.clear();
         for &slot in moved {
             let Some(bounds) = self.bounds_of(slot) else { continue };
             self.visit(&bounds, |other| {
                 let pair = (slot.min(other), slot.max(other));
                 if slot != other && is_wanted(pair.0, pair.1) {
-                    out.push(pair);
+                    list.push(pair);
                 }
             });
         }
-        // A pair of which both moved was found twice.
-        out.sort_unstable();
-        out.dedup();
     }
 
     /// All slots whose box touches a box, sorted; `out` is cleared first.

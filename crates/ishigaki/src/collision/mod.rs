@@ -9,6 +9,7 @@ mod curved;
 pub mod feature_id;
 mod half_space;
 mod hull_hull;
+pub(crate) mod link;
 pub mod manifold;
 mod mesh;
 pub mod narrow_phase;

@@ -5,7 +5,7 @@
 
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::pair::{Pair, insert_pairs};
-use crate::collision::proxy::FatBounds;
+use crate::collision::proxy::{FatBounds, Places, Plane};
 use crate::math::Vec3;
 use crate::world::World;
 
@@ -18,32 +18,22 @@ impl World {
     pub(crate) fn find_pairs(&mut self, dt: f32) {
         let margin = self.options.contact.speculative_margin * self.options.length_scale;
         let fat = self.options.contact.bounds_margin * self.options.length_scale;
-        let (moved, proxies) = (&mut self.scratch.moved_shapes, &mut self.scratch.proxies);
-        moved.clear();
+        let (proxies, parts) = (&mut self.scratch.proxies, &mut self.scratch.moves);
         proxies.reset(self.shapes.slot_count());
-        for (_, body) in self.bodies.iter() {
-            let moves = body.is_active() || body.is_moving_kinematic();
-            for &slot in &body.shapes {
-                let shape = self.shapes.at_mut(slot);
-                proxies.bounds[slot as usize] = [FatBounds::of(shape); 2];
-                if body.broken {
-                    continue;
-                }
-                let tight = proxies.enter(slot, shape, body, dt);
-                if !(moves || shape.moved) {
-                    continue;
-                }
-                let (min, max) = swept_bounds(tight, shape, body, dt, margin);
-                let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
-                if shape.moved || !inside {
-                    let (low, high) = ahead(body, max - min, dt);
-                    (shape.bounds_min, shape.bounds_max) = (min + low - fat, max + high + fat);
-                    let before = if shape.moved { FatBounds::NOWHERE } else { proxies.bounds[slot as usize][0] };
-                    proxies.bounds[slot as usize] = [FatBounds::of(shape), before];
-                    shape.moved = false;
-                    moved.push(slot);
-                }
+        parts.resize_with(self.workers.parts(self.shapes.slot_count()), Moves::default);
+        let (bodies, sizes) = (&self.bodies, Margins { dt, margin, fat });
+        let whole = (self.shapes.all(), proxies.places());
+        self.workers.in_parts(whole, parts, |(shapes, mut places), moves| {
+            (moves.moved.clear(), moves.planes.clear());
+            for (slot, shape) in shapes.objects() {
+                moves.enter(slot, shape, bodies.at(shape.body), &mut places, &sizes);
             }
+        });
+        let moved = &mut self.scratch.moved_shapes;
+        moved.clear();
+        for part in parts {
+            moved.extend_from_slice(&part.moved);
+            proxies.planes.append(&mut part.planes);
         }
         if !moved.is_empty() {
             self.broad_phase.update_all(moved, |slot| {
@@ -57,19 +47,26 @@ impl World {
 
     /// After the motion: bounds that a shape left unforeseen grow to hold it, so that queries find it where it is.
     pub(crate) fn hold_bounds(&mut self) {
-        for (_, body) in self.bodies.iter() {
-            if body.kind == BodyKind::Fixed || body.asleep || body.broken {
-                continue;
-            }
-            for &slot in &body.shapes {
-                let shape = self.shapes.at_mut(slot);
+        let (parts, bodies) = (&mut self.scratch.moves, &self.bodies);
+        parts.resize_with(self.workers.parts(self.shapes.slot_count()), Moves::default);
+        self.workers.in_parts(self.shapes.all(), parts, |shapes, moves| {
+            moves.moved.clear();
+            for (slot, shape) in shapes.objects() {
+                let body = bodies.at(shape.body);
+                if body.kind == BodyKind::Fixed || body.asleep || body.broken {
+                    continue;
+                }
                 let (min, max) = shape.tight_bounds(body);
                 if !(min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all()) {
                     (shape.bounds_min, shape.bounds_max) = (min.min(shape.bounds_min), max.max(shape.bounds_max));
                     shape.moved = true;
-                    self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
+                    moves.moved.push(slot);
                 }
             }
+        });
+        for &slot in parts.iter().flat_map(|part| &part.moved) {
+            let shape = self.shapes.at(slot);
+            self.broad_phase.update(slot, shape.bounds_min, shape.bounds_max);
         }
     }
 
@@ -126,13 +123,15 @@ impl World {
 
     fn add_new_pairs(&mut self) {
         let mut found = std::mem::take(&mut self.scratch.new_pairs);
+        let mut lists = std::mem::take(&mut self.scratch.pair_lists);
         let bounds = &self.scratch.proxies.bounds;
         let is_new = |a: u32, b: u32| {
             // If the bounds touched before, the pair is known, or forbidden; edits that change that also say `moved`.
             let [before_a, before_b] = [a, b].map(|slot| &bounds[slot as usize][1]);
             !before_a.touch(before_b) && self.may_touch(a, b)
         };
-        self.broad_phase.pairs_of(&self.scratch.moved_shapes, is_new, &mut found);
+        self.broad_phase.pairs_in_parts(&self.scratch.moved_shapes, is_new, &self.workers, &mut lists, &mut found);
+        self.scratch.pair_lists = lists;
         // What moved because its user said so may know its pairs already.
         found.retain(|pair| self.pairs.binary_search_by_key(pair, Pair::key).is_err());
         insert_pairs(&mut self.pairs, &found);
@@ -154,6 +153,47 @@ impl World {
         };
         let pair = (shape_a.body.min(shape_b.body), shape_a.body.max(shape_b.body));
         someone_moves && self.excluded.binary_search(&pair).is_err() && self.jointed.binary_search(&pair).is_err()
+    }
+}
+
+/// What a part of the shapes leaves.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Moves {
+    moved: Vec<u32>,
+    planes: Vec<Plane>,
+}
+
+/// By how much bounds are larger than shapes.
+struct Margins {
+    dt: f32,
+    /// Speculative, m.
+    margin: f32,
+    /// m.
+    fat: f32,
+}
+
+impl Moves {
+    /// Enters a shape; its bounds are made anew if it left them.
+    fn enter(&mut self, slot: u32, shape: &mut ShapeState, body: &BodyState, places: &mut Places<'_>, by: &Margins) {
+        places.set_bounds(slot, [FatBounds::of(shape); 2]);
+        if body.broken {
+            return;
+        }
+        let (tight, plane) = places.enter(slot, shape, body, by.dt);
+        self.planes.extend(plane);
+        if !(body.is_active() || body.is_moving_kinematic() || shape.moved) {
+            return;
+        }
+        let (min, max) = swept_bounds(tight, shape, body, by.dt, by.margin);
+        let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
+        if shape.moved || !inside {
+            let (low, high) = ahead(body, max - min, by.dt);
+            let before = if shape.moved { FatBounds::NOWHERE } else { FatBounds::of(shape) };
+            (shape.bounds_min, shape.bounds_max) = (min + low - by.fat, max + high + by.fat);
+            places.set_bounds(slot, [FatBounds::of(shape), before]);
+            shape.moved = false;
+            self.moved.push(slot);
+        }
     }
 }
 

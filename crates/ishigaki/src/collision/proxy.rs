@@ -7,6 +7,7 @@ use crate::body::{BodyState, ShapeState};
 use crate::collision::pairs::motion_in_step;
 use crate::math::{Pose, Vec3};
 use crate::shape::Geometry;
+use crate::threads::Cut;
 
 /// A shape in this step: what nearly all pairs are told apart by, in half a cache line.
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +73,33 @@ pub(crate) struct Proxies {
     pub planes: Vec<Plane>,
 }
 
+/// Places of neighboring slots: each is written by one thread.
+pub(crate) struct Places<'a> {
+    first: u32,
+    shapes: &'a mut [Proxy],
+    motions: &'a mut [ProxyMotion],
+    poses: &'a mut [Pose],
+    bounds: &'a mut [[FatBounds; 2]],
+}
+
+impl Cut for Places<'_> {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        let middle = self.shapes.len() * part / of;
+        let (shapes, other_shapes) = self.shapes.split_at_mut(middle);
+        let (motions, other_motions) = self.motions.split_at_mut(middle);
+        let (poses, other_poses) = self.poses.split_at_mut(middle);
+        let (bounds, other_bounds) = self.bounds.split_at_mut(middle);
+        let others = Self {
+            first: self.first + middle as u32,
+            shapes: other_shapes,
+            motions: other_motions,
+            poses: other_poses,
+            bounds: other_bounds,
+        };
+        (Self { first: self.first, shapes, motions, poses, bounds }, others)
+    }
+}
+
 /// The surface of a half-space, world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Plane {
@@ -94,25 +122,10 @@ impl Proxies {
         self.planes.clear();
     }
 
-    /// Enters a shape of a body that is finite; gives its bounds without any margin.
-    pub fn enter(&mut self, slot: u32, shape: &ShapeState, body: &BodyState, dt: f32) -> (Vec3, Vec3) {
-        let pose = shape.world_from_shape(body);
-        if let Geometry::HalfSpace { normal } = shape.shape.geometry {
-            let normal = pose.rotation * normal;
-            self.planes.push(Plane { slot, normal, offset: normal.dot(pose.translation) });
-        }
-        let (min, max) = shape.shape.geometry.bounds(&pose);
-        let motion = motion_in_step(body, dt);
-        let traits = Traits {
-            sensor: shape.shape.sensor,
-            continuous: body.continuous,
-            half_space: matches!(shape.shape.geometry, Geometry::HalfSpace { .. }),
-        };
-        let at = slot as usize;
-        self.shapes[at] = Proxy { min, max, reach: motion.length(), traits };
-        self.motions[at] = ProxyMotion { motion, inner_radius: shape.inner_radius, body: shape.body };
-        self.poses[at] = pose;
-        (min, max)
+    /// The places of all slots.
+    pub fn places(&mut self) -> Places<'_> {
+        let Self { shapes, motions, poses, bounds, .. } = self;
+        Places { first: 0, shapes, motions, poses, bounds }
     }
 
     /// Speculative margin of a pair, m: contacts are made up to it, or as far as a step takes the pair, but not farther
@@ -154,6 +167,34 @@ impl Proxies {
     }
 }
 
+impl Places<'_> {
+    /// Enters a shape of a body that is finite; gives its bounds without any margin, and its surface if it is a
+    /// half-space.
+    pub fn enter(&mut self, slot: u32, shape: &ShapeState, body: &BodyState, dt: f32) -> ((Vec3, Vec3), Option<Plane>) {
+        let pose = shape.world_from_shape(body);
+        let plane = match shape.shape.geometry {
+            Geometry::HalfSpace { normal } => {
+                let normal = pose.rotation * normal;
+                Some(Plane { slot, normal, offset: normal.dot(pose.translation) })
+            }
+            _ => None,
+        };
+        let (min, max) = shape.shape.geometry.bounds(&pose);
+        let motion = motion_in_step(body, dt);
+        let traits = Traits { sensor: shape.shape.sensor, continuous: body.continuous, half_space: plane.is_some() };
+        let at = (slot - self.first) as usize;
+        self.shapes[at] = Proxy { min, max, reach: motion.length(), traits };
+        self.motions[at] = ProxyMotion { motion, inner_radius: shape.inner_radius, body: shape.body };
+        self.poses[at] = pose;
+        ((min, max), plane)
+    }
+
+    /// Bounds of a shape in the broad phase, now and before this step.
+    pub fn set_bounds(&mut self, slot: u32, bounds: [FatBounds; 2]) {
+        self.bounds[(slot - self.first) as usize] = bounds;
+    }
+}
+
 impl Proxy {
     /// Of an unused slot, or of a body that is not finite.
     const NOWHERE: Self = Self {
@@ -186,7 +227,8 @@ mod tests {
             let flat = body.flat_shapes();
             let state = BodyState::new(&body, &flat).unwrap();
             let shape = ShapeState::new(slot, 0, flat[0].clone(), &state);
-            proxies.enter(slot, &shape, &state, 1.0 / 60.0);
+            let (_, plane) = proxies.places().enter(slot, &shape, &state, 1.0 / 60.0);
+            proxies.planes.extend(plane);
         }
         proxies
     }

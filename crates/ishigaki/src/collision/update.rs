@@ -2,6 +2,7 @@
 
 use crate::body::{BodyState, ShapeState};
 use crate::collision::continuous;
+use crate::collision::link::{Judge, Link};
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
 use crate::collision::pair::{Pair, insert_contacts};
@@ -12,184 +13,78 @@ use crate::event::Event;
 use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
 use crate::math::{Mat3, Pose, Vec3};
-use crate::options::WorldOptions;
 use crate::solver::penetration_recovery::DEADBAND;
+use crate::threads::Cut;
 use crate::world::World;
 use smallvec::SmallVec;
 
 impl World {
     /// Refreshes every pair that has a moving body and is not frozen; reports touching that began or ended.
     pub(crate) fn update_contacts(&mut self, dt: f32, hooks: Option<&mut (dyn ContactHooks + '_)>) {
-        let mut hooks = hooks;
         let mut pairs = std::mem::take(&mut self.pairs);
         let mut contacts = std::mem::take(&mut self.contacts);
-        let mut scratch = std::mem::take(&mut self.scratch.narrow);
+        let mut parts = std::mem::take(&mut self.scratch.narrow);
         let proxies = std::mem::take(&mut self.scratch.proxies);
-        let mut search = Search {
+        // Hooks are called in the order of pairs.
+        let count = if hooks.is_some() { 1 } else { self.workers.parts(pairs.len()) };
+        parts.resize_with(count, Part::default);
+        let search = Search {
+            world: self,
             margin: self.options.contact.speculative_margin * self.options.length_scale,
             proxies: &proxies,
             dt,
-            scratch: &mut scratch,
+            judge: Judge::new(&self.options, dt),
         };
-        let mut known = contacts.iter_mut().peekable();
-        let mut emptied = false;
-        for pair in &mut pairs {
-            match known.next_if(|contact| contact.key() == pair.key()) {
-                Some(contact) => {
-                    self.update_contact(pair, contact, &mut search, &mut hooks);
-                    emptied |= contact.manifolds.is_empty();
-                }
-                None => self.look_for_contact(pair, &mut search, &mut hooks),
-            }
+        let whole = PairsAndContacts { pairs: &mut pairs, contacts: &mut contacts };
+        match (hooks, &mut parts[..]) {
+            (Some(hooks), [part]) => search.refresh(whole, part, &mut Some(hooks)),
+            _ => self.workers.in_parts(whole, &mut parts, |share, part| search.refresh(share, part, &mut None)),
         }
-        if emptied {
-            contacts.retain(|contact| !contact.manifolds.is_empty());
-        }
-        insert_contacts(&mut contacts, &mut scratch.new_contacts);
+        self.gather(&mut parts, &mut contacts);
         self.scratch.proxies = proxies;
-        self.scratch.narrow = scratch;
+        self.scratch.narrow = parts;
         self.contacts = contacts;
         self.pairs = pairs;
     }
 
-    /// A pair that has had contact points.
-    fn update_contact(
-        &mut self,
-        pair: &mut Pair,
-        contact: &mut Contact,
-        search: &mut Search<'_>,
-        hooks: &mut Option<&mut (dyn ContactHooks + '_)>,
-    ) {
-        let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
-        if a.broken || b.broken {
-            contact.manifolds.clear();
-        } else if a.is_stirring() || b.is_stirring() {
-            let (shape_a, shape_b) = (self.shapes.at(contact.shape_a), self.shapes.at(contact.shape_b));
-            let options = &self.options;
-            if aggressive_sleep::stays_frozen(contact.frozen.as_ref(), a, b, options) {
-                self.report.frozen += 1;
-            } else {
-                contact.frozen = None;
-                if search.proxies.are_apart(pair.key(), search.margin) {
-                    contact.manifolds.clear();
-                } else {
-                    self.report.narrow_phase_calls += 1;
-                    let lead = search.find(pair, (a, b), (shape_a, shape_b), options);
-                    let (matched, expected) = search.fill(contact, lead, a.center, b.center);
-                    self.report.ids_matched += matched;
-                    self.report.ids_expected += expected;
-                    if !contact.sensor {
-                        contact.frozen = aggressive_sleep::freeze_if_at_rest(a, b, options);
-                    }
+    /// What the parts found, in the order of pairs.
+    fn gather(&mut self, parts: &mut [Part], contacts: &mut Vec<Contact>) {
+        if parts.iter().any(|part| part.emptied) {
+            contacts.retain(|contact| !contact.manifolds.is_empty());
+        }
+        self.scratch.links.clear();
+        let mut new_contacts = std::mem::take(&mut self.scratch.new_contacts);
+        for part in parts {
+            new_contacts.append(&mut part.new_contacts);
+            self.scratch.links.append(&mut part.links);
+            self.report.frozen += part.frozen;
+            self.report.narrow_phase_calls += part.calls;
+            self.report.ids_matched += part.ids_matched;
+            self.report.ids_expected += part.ids_expected;
+            self.tell_touches(&mut part.touches);
+        }
+        insert_contacts(contacts, &mut new_contacts);
+        self.scratch.new_contacts = new_contacts;
+    }
+
+    /// Touching that began or ended: bodies feel it, and it is an event.
+    pub(crate) fn tell_touches(&mut self, touches: &mut Vec<Touch>) {
+        for touch in touches.drain(..) {
+            if !touch.sensor {
+                for body in touch.bodies {
+                    self.bodies.at_mut(body).feel_change();
                 }
             }
-            if !contact.manifolds.is_empty() {
-                mix_materials(contact, a, b, shape_a, shape_b);
-                let closed = DEADBAND * self.options.length_scale;
-                contact.manifolds.iter_mut().for_each(|m| share_evenly(m, closed));
-            }
-        } else {
-            return; // both asleep or fixed: nothing changed
-        }
-        self.ask_hooks(contact, hooks);
-        self.notice_touching(contact);
-        // Without points it is forgotten, but that it rests is not.
-        pair.frozen = if contact.manifolds.is_empty() { contact.frozen } else { None };
-    }
-
-    /// A pair without contact points.
-    fn look_for_contact(
-        &mut self,
-        pair: &mut Pair,
-        search: &mut Search<'_>,
-        hooks: &mut Option<&mut (dyn ContactHooks + '_)>,
-    ) {
-        if search.proxies.are_apart(pair.key(), search.margin) {
-            pair.frozen = None;
-            return;
-        }
-        let body = |slot: u32| self.bodies.at(search.proxies.motions[slot as usize].body);
-        let (a, b) = (body(pair.shape_a), body(pair.shape_b));
-        if a.broken || b.broken || !(a.is_stirring() || b.is_stirring()) {
-            return;
-        }
-        let options = &self.options;
-        if aggressive_sleep::stays_frozen(pair.frozen.as_ref(), a, b, options) {
-            self.report.frozen += 1;
-            return;
-        }
-        self.report.narrow_phase_calls += 1;
-        let (shape_a, shape_b) = (self.shapes.at(pair.shape_a), self.shapes.at(pair.shape_b));
-        let lead = search.find(pair, (a, b), (shape_a, shape_b), options);
-        let sensor = shape_a.shape.sensor || shape_b.shape.sensor;
-        pair.frozen = if sensor { None } else { aggressive_sleep::freeze_if_at_rest(a, b, options) };
-        if search.scratch.found.iter().all(|m| m.points.is_empty()) {
-            return;
-        }
-        let mut contact = Contact::new(pair.key(), (shape_a.body, shape_b.body), sensor);
-        search.fill(&mut contact, lead, a.center, b.center);
-        contact.frozen = pair.frozen.take();
-        mix_materials(&mut contact, a, b, shape_a, shape_b);
-        self.ask_hooks(&mut contact, hooks);
-        self.notice_touching(&mut contact);
-        if !contact.manifolds.is_empty() {
-            search.scratch.new_contacts.push(contact);
+            let event = self.touch_event(touch.shapes.0, touch.shapes.1, touch.sensor, touch.began);
+            self.events.push(event);
         }
     }
 
-    fn ask_hooks(&self, contact: &mut Contact, hooks: &mut Option<&mut (dyn ContactHooks + '_)>) {
-        let Some(hooks) = hooks else { return };
-        if contact.manifolds.is_empty() {
-            return;
-        }
-        let (a, b) = (self.shape_id(contact.shape_a), self.shape_id(contact.shape_b));
-        let (body_a, body_b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
-        let pair = PairView { a, b, body_a, body_b };
-        if !hooks.allow(&pair) {
-            contact.manifolds.clear();
-            contact.frozen = None;
-        } else {
-            hooks.modify(&pair, contact);
-        }
-    }
-
-    /// Touching begins at contact and ends when the gap is half the speculative margin: no chatter between.
-    fn notice_touching(&mut self, contact: &mut Contact) {
-        let options = &self.options;
-        let gap = 0.5 * options.contact.speculative_margin * options.length_scale;
-        let limit = if contact.sensor {
-            0.0
-        } else if contact.touching {
-            gap
-        } else {
-            1e-3 * gap
-        };
-        let touching = contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= limit);
-        if touching != contact.touching {
-            self.set_touching(contact, touching);
-        }
-    }
-
-    /// What bounced within the step touched, though a gap was there before and after it.
-    pub(crate) fn notice_impacts(&mut self) {
-        let mut contacts = std::mem::take(&mut self.contacts);
-        for contact in contacts.iter_mut().filter(|c| !c.touching && !c.sensor) {
-            if contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.impulse > 0.0) {
-                self.set_touching(contact, true);
-            }
-        }
-        self.contacts = contacts;
-    }
-
-    fn set_touching(&mut self, contact: &mut Contact, touching: bool) {
-        contact.touching = touching;
-        if !contact.sensor {
-            for index in [contact.body_a, contact.body_b] {
-                self.bodies.at_mut(index).feel_change();
-            }
-        }
-        let event = self.touch_event(contact.shape_a, contact.shape_b, contact.sensor, touching);
-        self.events.push(event);
+    /// What bounced within the step touched.
+    pub(crate) fn tell_impacts(&mut self) {
+        let mut sums = std::mem::take(&mut self.scratch.contact_sums);
+        sums.iter_mut().for_each(|sums| self.tell_touches(&mut sums.impacts));
+        self.scratch.contact_sums = sums;
     }
 
     pub(crate) fn touch_event(&self, a: u32, b: u32, sensor: bool, began: bool) -> Event {
@@ -205,21 +100,79 @@ impl World {
     }
 }
 
-/// Arrays used again for each pair.
+/// What a caller may say about contacts, if anything.
+type Hooks<'a, 'b> = Option<&'a mut (dyn ContactHooks + 'b)>;
+
+/// Touching that began or ended in a step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Touch {
+    shapes: (u32, u32),
+    bodies: [u32; 2],
+    sensor: bool,
+    began: bool,
+}
+
+impl Touch {
+    /// Notes it in the contact.
+    pub fn change(contact: &mut Contact, began: bool) -> Self {
+        contact.touching = began;
+        let (shapes, bodies) = (contact.key(), [contact.body_a, contact.body_b]);
+        Self { shapes, bodies, sensor: contact.sensor, began }
+    }
+}
+
+/// What a part of the pairs leaves, and arrays used again for each pair.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct NarrowScratch {
+pub(crate) struct Part {
     found: LocalManifolds,
     old: SmallVec<[Manifold; 1]>,
     new_contacts: Vec<Contact>,
+    links: Vec<Link>,
+    touches: Vec<Touch>,
+    /// Some contact has lost its points.
+    emptied: bool,
+    frozen: usize,
+    calls: usize,
+    ids_matched: usize,
+    ids_expected: usize,
+}
+
+impl Part {
+    fn clear(&mut self) {
+        self.new_contacts.clear();
+        self.links.clear();
+        self.touches.clear();
+        self.emptied = false;
+        (self.frozen, self.calls, self.ids_matched, self.ids_expected) = (0, 0, 0, 0);
+    }
+}
+
+/// Neighbors in the list of pairs, and their contacts.
+struct PairsAndContacts<'a> {
+    pairs: &'a mut [Pair],
+    contacts: &'a mut [Contact],
+}
+
+impl Cut for PairsAndContacts<'_> {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        let (pairs, other_pairs) = self.pairs.split_at_mut(self.pairs.len() * part / of);
+        let middle = other_pairs.first().map_or(self.contacts.len(), |first| {
+            let first = first.key();
+            self.contacts.partition_point(|contact| contact.key() < first)
+        });
+        let (contacts, other_contacts) = self.contacts.split_at_mut(middle);
+        (Self { pairs, contacts }, Self { pairs: other_pairs, contacts: other_contacts })
+    }
 }
 
 /// The search for contact points in this step.
 struct Search<'a> {
+    world: &'a World,
     proxies: &'a Proxies,
     /// Speculative margin of slow pairs, m.
     margin: f32,
     dt: f32,
-    scratch: &'a mut NarrowScratch,
+    judge: Judge,
 }
 
 /// Where shape A was when points were found.
@@ -233,20 +186,153 @@ struct Lead {
 const INTO: f32 = 0.05;
 
 impl Search<'_> {
-    /// Finds the points of a pair, in the scratch's list.
+    /// All pairs of a part.
+    fn refresh(&self, share: PairsAndContacts<'_>, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
+        part.clear();
+        let mut known = share.contacts.iter_mut().peekable();
+        for pair in share.pairs {
+            match known.next_if(|contact| contact.key() == pair.key()) {
+                Some(contact) => {
+                    self.update_contact(pair, contact, part, hooks);
+                    if contact.manifolds.is_empty() {
+                        part.emptied = true;
+                    } else {
+                        part.links.push(self.link(contact));
+                    }
+                }
+                None => self.look_for_contact(pair, part, hooks),
+            }
+        }
+    }
+
+    fn link(&self, contact: &Contact) -> Link {
+        let (a, b) = (self.world.bodies.at(contact.body_a), self.world.bodies.at(contact.body_b));
+        Link::new(contact, a, b, &self.judge)
+    }
+
+    /// A pair that has had contact points.
+    fn update_contact(&self, pair: &mut Pair, contact: &mut Contact, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
+        let (world, options) = (self.world, &self.world.options);
+        let (a, b) = (world.bodies.at(contact.body_a), world.bodies.at(contact.body_b));
+        if a.broken || b.broken {
+            contact.manifolds.clear();
+        } else if a.is_stirring() || b.is_stirring() {
+            let (shape_a, shape_b) = (world.shapes.at(contact.shape_a), world.shapes.at(contact.shape_b));
+            if aggressive_sleep::stays_frozen(contact.frozen.as_ref(), a, b, options) {
+                part.frozen += 1;
+            } else {
+                contact.frozen = None;
+                if self.proxies.are_apart(pair.key(), self.margin) {
+                    contact.manifolds.clear();
+                } else {
+                    part.calls += 1;
+                    let lead = self.find(pair, (a, b), (shape_a, shape_b), part);
+                    let (matched, expected) = part.fill(contact, &lead, a.center, b.center);
+                    part.ids_matched += matched;
+                    part.ids_expected += expected;
+                    if !contact.sensor {
+                        contact.frozen = aggressive_sleep::freeze_if_at_rest(a, b, options);
+                    }
+                }
+            }
+            if !contact.manifolds.is_empty() {
+                mix_materials(contact, a, b, shape_a, shape_b);
+                let closed = DEADBAND * options.length_scale;
+                contact.manifolds.iter_mut().for_each(|m| share_evenly(m, closed));
+            }
+        } else {
+            return; // both asleep or fixed: nothing changed
+        }
+        self.ask_hooks(contact, hooks);
+        self.notice_touching(contact, part);
+        // Without points it is forgotten, but that it rests is not.
+        pair.frozen = if contact.manifolds.is_empty() { contact.frozen } else { None };
+    }
+
+    /// A pair without contact points.
+    fn look_for_contact(&self, pair: &mut Pair, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
+        if self.proxies.are_apart(pair.key(), self.margin) {
+            pair.frozen = None;
+            return;
+        }
+        let (world, options) = (self.world, &self.world.options);
+        let body = |slot: u32| world.bodies.at(self.proxies.motions[slot as usize].body);
+        let (a, b) = (body(pair.shape_a), body(pair.shape_b));
+        if a.broken || b.broken || !(a.is_stirring() || b.is_stirring()) {
+            return;
+        }
+        if aggressive_sleep::stays_frozen(pair.frozen.as_ref(), a, b, options) {
+            part.frozen += 1;
+            return;
+        }
+        part.calls += 1;
+        let (shape_a, shape_b) = (world.shapes.at(pair.shape_a), world.shapes.at(pair.shape_b));
+        let lead = self.find(pair, (a, b), (shape_a, shape_b), part);
+        let sensor = shape_a.shape.sensor || shape_b.shape.sensor;
+        pair.frozen = if sensor { None } else { aggressive_sleep::freeze_if_at_rest(a, b, options) };
+        if part.found.iter().all(|m| m.points.is_empty()) {
+            return;
+        }
+        let mut contact = Contact::new(pair.key(), (shape_a.body, shape_b.body), sensor);
+        part.fill(&mut contact, &lead, a.center, b.center);
+        contact.frozen = pair.frozen.take();
+        mix_materials(&mut contact, a, b, shape_a, shape_b);
+        self.ask_hooks(&mut contact, hooks);
+        self.notice_touching(&mut contact, part);
+        if !contact.manifolds.is_empty() {
+            part.links.push(Link::new(&contact, a, b, &self.judge));
+            part.new_contacts.push(contact);
+        }
+    }
+
+    fn ask_hooks(&self, contact: &mut Contact, hooks: &mut Hooks<'_, '_>) {
+        let Some(hooks) = hooks else { return };
+        if contact.manifolds.is_empty() {
+            return;
+        }
+        let world = self.world;
+        let (a, b) = (world.shape_id(contact.shape_a), world.shape_id(contact.shape_b));
+        let (body_a, body_b) = (world.bodies.at(contact.body_a), world.bodies.at(contact.body_b));
+        let pair = PairView { a, b, body_a, body_b };
+        if !hooks.allow(&pair) {
+            contact.manifolds.clear();
+            contact.frozen = None;
+        } else {
+            hooks.modify(&pair, contact);
+        }
+    }
+
+    /// Touching begins at contact and ends when the gap is half the speculative margin: no chatter between.
+    fn notice_touching(&self, contact: &mut Contact, part: &mut Part) {
+        let gap = 0.5 * self.margin;
+        let limit = if contact.sensor {
+            0.0
+        } else if contact.touching {
+            gap
+        } else {
+            1e-3 * gap
+        };
+        let touching = contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= limit);
+        if touching != contact.touching {
+            part.touches.push(Touch::change(contact, touching));
+        }
+    }
+
+    /// Finds the points of a pair, in the part's list.
     fn find(
-        &mut self,
+        &self,
         pair: &mut Pair,
         (a, b): (&BodyState, &BodyState),
         (shape_a, shape_b): (&ShapeState, &ShapeState),
-        options: &WorldOptions,
+        part: &mut Part,
     ) -> Lead {
+        let options = &self.world.options;
         let [slot_a, slot_b] = [pair.shape_a as usize, pair.shape_b as usize];
         let (pose_a, pose_b) = (self.proxies.poses[slot_a], self.proxies.poses[slot_b]);
         let (traits_a, traits_b) = (self.proxies.shapes[slot_a].traits, self.proxies.shapes[slot_b].traits);
         let margin = self.proxies.margin(pair.key(), self.margin);
         let (geometry_a, geometry_b) = (&shape_a.shape.geometry, &shape_b.shape.geometry);
-        let found = &mut self.scratch.found;
+        let found = &mut part.found;
         let b_in_a = pose_a.inverse() * pose_b;
         find_manifolds(geometry_a, geometry_b, &b_in_a, margin, options.length_scale, &mut pair.hint, found);
 
@@ -269,11 +355,13 @@ impl Search<'_> {
         }
         lead
     }
+}
 
+impl Part {
     /// Gives a contact the points found, with the impulses of those it had; how many were found again, of how many.
-    fn fill(&mut self, contact: &mut Contact, lead: Lead, center_a: Vec3, center_b: Vec3) -> (usize, usize) {
-        let NarrowScratch { found, old, .. } = &mut *self.scratch;
-        let place = |found: &LocalManifold, old: Option<&Manifold>| to_world(found, &lead, (center_a, center_b), old);
+    fn fill(&mut self, contact: &mut Contact, lead: &Lead, center_a: Vec3, center_b: Vec3) -> (usize, usize) {
+        let Self { found, old, .. } = self;
+        let place = |found: &LocalManifold, old: Option<&Manifold>| to_world(found, lead, (center_a, center_b), old);
         // Most contacts have one manifold and keep it: it is replaced where it is.
         if let ([found], [manifold]) = (&found[..], &mut contact.manifolds[..])
             && found.part == manifold.part

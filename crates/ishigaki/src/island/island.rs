@@ -4,7 +4,6 @@
 //! numbered by their first body, so the numbers do not depend on the order of contacts.
 
 use crate::body::{BodyState, NO_HEIGHT};
-use crate::collision::manifold::Contact;
 use crate::handle::Arena;
 use crate::solver::height;
 use crate::union_find::{root, unite};
@@ -12,34 +11,28 @@ use crate::world::World;
 
 impl World {
     /// Unites bodies, wakes islands, numbers them, measures heights.
-    pub(crate) fn build_islands(&mut self, dt: f32) {
+    pub(crate) fn build_islands(&mut self) {
         let slots = self.bodies.slot_count();
         let mut parents = std::mem::take(&mut self.scratch.parents);
         parents.clear();
         parents.extend(0..slots as u32);
-        self.unite(&mut parents, dt);
+        self.unite(&mut parents);
         self.wake_islands(&mut parents);
         self.number_islands(&mut parents);
         self.scratch.parents = parents;
         self.measure_heights();
     }
 
-    fn unite(&mut self, parents: &mut [u32], dt: f32) {
-        let contacts = std::mem::take(&mut self.contacts);
-        // What gravity may add to the motion of the step, m.
-        let fall = self.options.gravity.length() * dt * dt;
-        for contact in contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
-            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
-            if !(contact.touching || closes(contact, a, b, dt, fall)) {
-                continue;
-            }
+    fn unite(&mut self, parents: &mut [u32]) {
+        for link in self.scratch.links.iter().filter(|link| link.unites) {
+            let [index_a, index_b] = link.bodies;
+            let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
             if a.is_dynamic() && b.is_dynamic() {
-                unite(parents, contact.body_a, contact.body_b);
+                unite(parents, index_a, index_b);
             } else {
-                let_ground_wake(&mut self.bodies, contact.body_a, contact.body_b);
+                let_ground_wake(&mut self.bodies, index_a, index_b);
             }
         }
-        self.contacts = contacts;
         for (_, joint) in self.joints.iter() {
             let (index_a, index_b) = (joint.definition.body_a.index, joint.definition.body_b.index);
             let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
@@ -86,16 +79,11 @@ impl World {
     }
 
     fn measure_heights(&mut self) {
-        let mut links = std::mem::take(&mut self.scratch.links);
-        links.clear();
-        let slop = self.options.solver.slop.depth * self.options.length_scale;
-        for contact in self.contacts.iter().filter(|c| c.touching && !c.sensor) {
-            if contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= slop) {
-                links.push((contact.body_a, contact.body_b));
-            }
-        }
+        let mut supports = std::mem::take(&mut self.scratch.supports);
+        supports.clear();
+        supports.extend(self.links().iter().filter(|link| link.bears).map(|link| (link.bodies[0], link.bodies[1])));
         if self.options.solver.height.through_joints {
-            links.extend(self.joints.iter().map(|(_, j)| (j.definition.body_a.index, j.definition.body_b.index)));
+            supports.extend(self.joints.iter().map(|(_, j)| (j.definition.body_a.index, j.definition.body_b.index)));
         }
         let heights = &mut self.scratch.heights;
         heights.clear();
@@ -106,11 +94,11 @@ impl World {
         for (index, body) in self.bodies.iter() {
             ground[index as usize] = !body.is_dynamic();
         }
-        height::heights(&links, |i| ground[i as usize], &mut self.scratch.height, heights);
+        height::heights(&supports, |i| ground[i as usize], &mut self.scratch.height, heights);
         for (index, body) in self.bodies.iter_mut() {
             body.height = heights[index as usize];
         }
-        self.scratch.links = links;
+        self.scratch.supports = supports;
     }
 }
 
@@ -129,17 +117,4 @@ fn let_ground_wake(bodies: &mut Arena<BodyState>, a: u32, b: u32) {
             }
         }
     }
-}
-
-/// Whether the two may touch within the step, in which they also fall by `fall` (m).
-fn closes(contact: &Contact, a: &BodyState, b: &BodyState, dt: f32, fall: f32) -> bool {
-    let (linear_a, angular_a) = a.velocities_in_step(dt);
-    let (linear_b, angular_b) = b.velocities_in_step(dt);
-    contact.manifolds.iter().any(|m| {
-        m.points.iter().any(|p| {
-            let velocity_a = linear_a + angular_a.cross(p.arm_a);
-            let velocity_b = linear_b + angular_b.cross(p.arm_b);
-            p.separation + dt * m.normal.dot(velocity_a - velocity_b) <= fall
-        })
-    })
 }

@@ -32,11 +32,11 @@ impl World {
                 restless[body.island as usize] = true;
             }
         }
-        for contact in &self.contacts {
-            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
+        for link in self.scratch.links.iter().filter(|link| link.unites) {
+            let [a, b] = link.bodies.map(|slot| self.bodies.at(slot));
             // A moving platform keeps what lies on it awake.
             for (body, other) in [(a, b), (b, a)] {
-                if contact.touching && body.is_active() && other.is_moving_kinematic() {
+                if body.is_active() && other.is_moving_kinematic() {
                     self.scratch.restless_islands[body.island as usize] = true;
                 }
             }

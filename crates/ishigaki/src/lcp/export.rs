@@ -103,7 +103,7 @@ impl World {
         self.options.solver.wide.enabled = false;
         self.find_pairs(dt);
         self.update_contacts(dt, None);
-        self.build_islands(dt);
+        self.build_islands();
         self.gather_forces(dt);
         self.build_rows(&mut plan, dt);
         plan::plan_sweep(&mut plan, &self.options.solver);

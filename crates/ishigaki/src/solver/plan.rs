@@ -3,7 +3,7 @@
 //! The plan is what a solver works on; it knows slots, not handles, and holds plain arrays that are used again
 //! in each step. Rows of joints come first, then those of contacts, both in the world's fixed order.
 
-use crate::collision::manifold::Contact;
+use crate::collision::link::Link;
 use crate::constraint::contact::{self, Layout, Surface};
 use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
@@ -139,12 +139,8 @@ impl World {
     fn count_substeps(&self, plan: &mut Plan) {
         let solver = &self.options.solver;
         let found = self.find_jointed(plan);
-        let touches = |contact: &Contact| {
-            !contact.sensor
-                && !contact.manifolds.is_empty()
-                && [contact.body_a, contact.body_b].iter().any(|&b| plan.is_jointed[b as usize])
-        };
-        let is_swept = found.any && (found.loops || self.contacts.iter().any(touches));
+        let touches = |link: &Link| link.meets() && link.bodies.iter().any(|&b| plan.is_jointed[b as usize]);
+        let is_swept = found.any && (found.loops || self.links().iter().any(touches));
         (plan.substeps, plan.sweeps, plan.relax_sweeps) = (solver.substeps, solver.sweeps, solver.relax_sweeps);
         match (found.any, is_swept) {
             (false, _) => {}
@@ -242,14 +238,13 @@ impl World {
         plan.manifolds.clear();
         let scale = self.warm_start_scale(dt) / plan.share;
         let model = self.options.solver.friction;
-        for (index, contact) in self.contacts.iter().enumerate() {
-            let (slot_a, slot_b) = (contact.body_a as usize, contact.body_b as usize);
-            let (body_a, body_b) = (plan.index_of[slot_a], plan.index_of[slot_b]);
-            let dynamic = |slot: u32| self.bodies.at(slot).is_active();
-            let is_wide = plan.wide.takes(contact.body_a) || plan.wide.takes(contact.body_b);
-            if contact.sensor || is_wide || !(dynamic(contact.body_a) || dynamic(contact.body_b)) {
+        for (index, link) in self.links().iter().enumerate() {
+            let [body_a, body_b] = link.bodies.map(|slot| plan.index_of[slot as usize]);
+            let is_active = |&slot: &u32| self.bodies.at(slot).is_active();
+            if !link.meets() || link.batch != Link::NONE || !link.bodies.iter().any(is_active) {
                 continue;
             }
+            let contact = &self.contacts[index];
             let surface = Surface {
                 friction: contact.friction,
                 torsional_friction: contact.torsional_friction,

@@ -8,6 +8,7 @@
 //! Proved by `tests/laws_pendulum.rs`, `tests/laws_momentum.rs`.
 
 use crate::body::{BodyState, unlocked};
+use crate::collision::link::Link;
 use crate::collision::manifold::Contact;
 use crate::constraint::contact;
 use crate::constraint::frame::BodyFrame;
@@ -32,15 +33,13 @@ impl World {
         let substeps = plan.substeps;
         let h = dt / substeps as f32;
         // Those of the wide path are written by it.
-        let narrow = |c: &&mut Contact| !(plan.wide.takes(c.body_a) || plan.wide.takes(c.body_b));
-        for manifold in self.contacts.iter_mut().filter(narrow).flat_map(|c| &mut c.manifolds) {
-            for point in &mut manifold.points {
+        let narrow = |(_, link): &(&mut Contact, &Link)| link.batch == Link::NONE;
+        for (contact, _) in self.contacts.iter_mut().zip(&self.scratch.links).filter(narrow) {
+            for point in contact.manifolds.iter_mut().flat_map(|m| &mut m.points) {
                 point.impulse = 0.0;
             }
         }
-        let mut wide = std::mem::take(&mut plan.wide);
-        self.solve_batches(&mut wide, dt);
-        plan.wide = wide;
+        self.solve_batches(&mut plan.wide, dt);
         for substep in 0..substeps {
             self.substep(plan, h, substep);
         }
@@ -48,6 +47,7 @@ impl World {
         self.report.work_budget = work::budget(plan.rows.len() + plan.wide.rows);
         self.last_substep = dt / self.options.solver.substeps as f32;
         self.store_impulses(plan, dt);
+        self.store_batches(&mut plan.wide, dt);
     }
 
     fn substep(&mut self, plan: &mut Plan, h: f32, substep: u32) {

@@ -158,11 +158,6 @@ impl Batch {
         self.islands.clear();
     }
 
-    /// Adds a body; its index in the records.
-    pub fn add_mover(&mut self, slot: u32, body: &BodyState, gravity: Vec3) -> u32 {
-        self.movers.add(slot, body, gravity)
-    }
-
     /// Colors, blocks, rows.
     pub(crate) fn build(&mut self, level: Level, source: &Source<'_>) {
         let rest = &source.options.rest.aggressive_sleep;
@@ -178,6 +173,7 @@ impl Batch {
         self.substeps = if at_rest { 1 } else { full };
         let source = &Source { warm_scale: source.warm_scale * full as f32 / self.substeps as f32, ..*source };
         let h = source.dt / self.substeps as f32;
+        self.movers.fill(source.bodies, source.options.gravity);
         self.joints.build(&self.movers, source.joints, h, source.warm_scale);
         let joints = &self.joints;
         self.movers.begin_step(h, |body| joints.has(body));

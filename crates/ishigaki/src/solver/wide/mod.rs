@@ -17,6 +17,7 @@ mod moving;
 mod seed;
 mod solve;
 mod split;
+pub(crate) mod storing;
 mod turning;
 
 use crate::solver::plan::Plan;
@@ -42,12 +43,19 @@ pub struct Wide {
     parents: Vec<u32>,
     unfit: Vec<bool>,
     sizes: Vec<u32>,
-    jointed: Vec<bool>,
+    /// Of each island: how many joints it has, whether they close loops, whether some hang from what does not move.
+    joint_counts: Vec<u32>,
     loops: Vec<bool>,
+    hangs: Vec<bool>,
+    /// Of each island: least and greatest 1/m, 1/kg.
+    inverse_masses: Vec<[f32; 2]>,
     joined: Vec<(u32, u32)>,
     joint_parents: Vec<u32>,
     batch_of_island: Vec<u32>,
+    /// Of each island: its number in its batch.
     local_island: Vec<u32>,
+    /// Of each body slot: its island in its batch.
+    island_of: Vec<u32>,
     /// Rows of islands whose loads are corrected, as the reference has them, and arrays for it: one for each thread.
     #[expect(clippy::vec_box, reason = "threads take them out and put them back")]
     aids: Vec<Box<Plan>>,
@@ -66,12 +74,15 @@ impl Default for Wide {
             parents: Vec::new(),
             unfit: Vec::new(),
             sizes: Vec::new(),
-            jointed: Vec::new(),
+            joint_counts: Vec::new(),
             loops: Vec::new(),
+            hangs: Vec::new(),
+            inverse_masses: Vec::new(),
             joined: Vec::new(),
             joint_parents: Vec::new(),
             batch_of_island: Vec::new(),
             local_island: Vec::new(),
+            island_of: Vec::new(),
             aids: Vec::new(),
         }
     }

@@ -5,6 +5,7 @@
 //! What is done to them in a substep is in `moving.rs`.
 
 use crate::body::BodyState;
+use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
 use crate::motion::{Spin, forces};
 use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, get, set};
@@ -173,16 +174,21 @@ impl Movers {
     }
 
     /// Adds an active dynamic body without locked axes; the index of its record.
-    pub fn add(&mut self, slot: u32, body: &BodyState, gravity: Vec3) -> u32 {
-        let lane = self.slots.len() % LANES;
-        if lane == 0 {
-            self.blocks.push(MoverBlock::EMPTY);
-        }
-        if let Some(block) = self.blocks.last_mut() {
-            block.fill(lane, body, gravity);
-        }
+    pub fn add(&mut self, slot: u32) -> u32 {
         self.slots.push(slot);
         self.slots.len() as u32
+    }
+
+    /// States of the bodies, as they are in the world.
+    pub(crate) fn fill(&mut self, bodies: &Arena<BodyState>, gravity: Vec3) {
+        self.blocks.clear();
+        for eight in self.slots.chunks(LANES) {
+            let mut block = MoverBlock::EMPTY;
+            for (lane, &slot) in eight.iter().enumerate() {
+                block.fill(lane, bodies.at(slot), gravity);
+            }
+            self.blocks.push(block);
+        }
     }
 
     /// How many records there are: of the ground, and of whole blocks.

@@ -3,7 +3,6 @@
 //! The order of things is that of `substeps.rs`, and of `joint_recovery.rs` for joints. A batch in which all bodies rest (`rest.aggressive_sleep`) takes the
 //! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
 
-use crate::math::Vec3;
 use crate::solver::hand_down::{self, HandDown};
 use crate::solver::level_correction;
 use crate::solver::manifold_block;
@@ -24,20 +23,16 @@ use std::sync::{Mutex, PoisonError};
 
 impl World {
     /// Solves all batches, on several threads if the world has them.
-    pub(crate) fn solve_batches(&mut self, wide: &mut Wide, dt: f32) {
+    pub(crate) fn solve_batches(&self, wide: &mut Wide, dt: f32) {
         let (level, mut batches) = (wide.level, std::mem::take(&mut wide.batches));
         let aids = Mutex::new(std::mem::take(&mut wide.aids));
         let lock = || aids.lock().unwrap_or_else(PoisonError::into_inner);
-        let world: &Self = self;
-        world.workers.for_each(&mut batches[..wide.used], |batch| {
+        self.workers.for_each(&mut batches[..wide.used], |batch| {
             let mut aid = lock().pop().unwrap_or_default();
-            world.solve_batch(level, batch, &mut aid, dt);
+            self.solve_batch(level, batch, &mut aid, dt);
             lock().push(aid);
         });
         wide.aids = aids.into_inner().unwrap_or_else(PoisonError::into_inner);
-        for batch in &mut batches[..wide.used] {
-            self.store_batch(batch, dt);
-        }
         wide.batches = batches;
     }
 
@@ -187,33 +182,6 @@ impl World {
             batch.recover(level, &pass, reversed, h);
             batch.outcome.work += batch.joints.work.recovery;
         }
-    }
-
-    fn store_batch(&mut self, batch: &mut Batch, dt: f32) {
-        self.report.work += batch.outcome.work;
-        self.report.residual = self.report.residual.max(batch.outcome.residual);
-        for &body in &batch.outcome.pauses {
-            self.bodies.at_mut(body).no_correction_until = self.step_count + level_correction::PAUSE;
-        }
-        // Stored impulses are those of a substep as the options have it.
-        let share = batch.substeps as f32 / self.options.solver.substeps as f32;
-        for (index, &slot) in batch.movers.slots.iter().enumerate() {
-            batch.movers.store(index, self.bodies.at_mut(slot));
-        }
-        for place in &batch.places {
-            let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
-            let manifold = &mut self.contacts[place.contact as usize].manifolds[place.manifold as usize];
-            let (t1, t2) = crate::math::tangents(manifold.normal);
-            for (i, point) in manifold.points.iter_mut().enumerate() {
-                let (p, disk) = (&block.points[i], &block.disks[i]);
-                point.lambda_normal = share * p.lambda[lane];
-                point.lambda_friction = share * (t1 * disk.lambda[0][lane] + t2 * disk.lambda[1][lane]);
-                point.impulse = p.total[lane];
-                point.separation = p.separation[lane];
-            }
-            (manifold.lambda_torsion, manifold.lambda_rolling) = (0.0, Vec3::ZERO);
-        }
-        batch.joints.store(&mut self.joints, share, dt);
     }
 }
 

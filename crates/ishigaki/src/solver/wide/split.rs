@@ -2,11 +2,11 @@
 //!
 //! Islands that share a contact, even one too far apart to close in this step, are solved together. An island goes to
 //! the reference as a whole if any of its bodies has locked axes, any of its joints is no ball joint, or any of its contacts
-//! bounces, rolls, slides like a conveyor or touches moving ground; and if its joints are all there is and close no loop:
-//! the reference solves trees of joints at once.
+//! bounces, rolls, slides like a conveyor or touches moving ground; and if its joints are all there is, close no loop and
+//! bear loads: the reference solves trees of joints at once. What flies freely bears none but those of its own turning.
 
 use crate::body::NO_HEIGHT;
-use crate::collision::manifold::Contact;
+use crate::collision::link::Link;
 use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, WorldOptions};
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
@@ -18,6 +18,10 @@ use fearless_simd::Level;
 
 /// Manifolds of a batch, about: what fits the second cache.
 const BATCH: usize = 700;
+/// A tree of joints that flies freely has at most so many for the lanes, and none of its bodies is so much heavier than
+/// another: sweeps carry what is between them in time.
+const SMALL_TREE: u32 = 32;
+const EVEN_MASSES: f32 = 100.0;
 const NONE: u32 = u32::MAX;
 
 /// Whether the options ask for nothing that the reference alone can do.
@@ -72,6 +76,7 @@ impl World {
         }
         wide.order.sort_unstable();
         wide.batch_of.fill(NONE);
+        self.scratch.links.iter_mut().for_each(|link| link.batch = Link::NONE);
         (wide.used, wide.rows) = (0, 0);
     }
 
@@ -84,23 +89,26 @@ impl World {
         wide.unfit.resize(islands, false);
         wide.sizes.clear();
         wide.sizes.resize(islands, 0);
+        wide.inverse_masses.clear();
+        wide.inverse_masses.resize(islands, [f32::INFINITY, 0.0]);
         for (_, body) in self.bodies.iter().filter(|(_, b)| b.is_active()) {
+            let [least, greatest] = &mut wide.inverse_masses[body.island as usize];
+            (*least, *greatest) = (least.min(body.inverse_mass), greatest.max(body.inverse_mass));
             if body.locked_translation.contains(&true) || body.has_locked_rotation() || body.inverse_mass <= 0.0 {
                 wide.unfit[body.island as usize] = true;
             }
         }
-        let bounces = self.options.solver.restitution.enabled;
-        for contact in self.contacts.iter().filter(|c| !c.sensor && !c.manifolds.is_empty()) {
-            let (a, b) = (self.bodies.at(contact.body_a), self.bodies.at(contact.body_b));
+        for link in self.links().iter().filter(|link| link.meets()) {
+            let [a, b] = link.bodies.map(|slot| self.bodies.at(slot));
             let island = match (a.is_active(), b.is_active()) {
                 (true, true) => unite(&mut wide.parents, a.island, b.island),
                 (true, false) => a.island,
                 (false, true) => b.island,
                 (false, false) => continue,
             };
-            wide.sizes[island as usize] += contact.manifolds.len() as u32;
+            wide.sizes[island as usize] += link.manifolds;
             let moving_ground = a.is_moving_kinematic() || b.is_moving_kinematic();
-            if moving_ground || asks_too_much(contact, bounces) {
+            if moving_ground || link.asks_much {
                 wide.unfit[island as usize] = true;
             }
         }
@@ -108,16 +116,20 @@ impl World {
         for island in 0..islands as u32 {
             let root = root(&mut wide.parents, island);
             if root != island {
-                for flags in [&mut wide.unfit, &mut wide.jointed, &mut wide.loops] {
+                for flags in [&mut wide.unfit, &mut wide.loops, &mut wide.hangs] {
                     flags[root as usize] |= flags[island as usize];
                 }
-                wide.sizes[root as usize] += wide.sizes[island as usize];
+                for counts in [&mut wide.sizes, &mut wide.joint_counts] {
+                    counts[root as usize] += counts[island as usize];
+                }
             }
         }
         if self.options.solver.joint_tree.enabled {
             for island in 0..islands {
-                let is_tree = wide.jointed[island] && wide.sizes[island] == 0 && !wide.loops[island];
-                wide.unfit[island] |= is_tree;
+                let is_tree = wide.joint_counts[island] > 0 && wide.sizes[island] == 0 && !wide.loops[island];
+                let [least, greatest] = wide.inverse_masses[island];
+                let is_easy = wide.joint_counts[island] <= SMALL_TREE && greatest <= EVEN_MASSES * least;
+                wide.unfit[island] |= is_tree && (wide.hangs[island] || !is_easy);
             }
         }
     }
@@ -126,10 +138,12 @@ impl World {
     /// not move or not.
     fn group_joints(&self, wide: &mut Wide) {
         let islands = wide.parents.len();
-        for flags in [&mut wide.jointed, &mut wide.loops] {
+        for flags in [&mut wide.loops, &mut wide.hangs] {
             flags.clear();
             flags.resize(islands, false);
         }
+        wide.joint_counts.clear();
+        wide.joint_counts.resize(islands, 0);
         wide.joined.clear();
         let slots = self.bodies.slot_count() as u32;
         for (_, joint) in self.joints.iter() {
@@ -137,7 +151,8 @@ impl World {
                 [joint.definition.body_a.index, joint.definition.body_b.index].map(|slot| (slot, self.bodies.at(slot)));
             let island = ends.iter().filter(|(_, body)| body.is_active()).map(|(_, body)| body.island as usize).next();
             let Some(island) = island.filter(|_| ends.iter().all(|(_, body)| !body.broken)) else { continue };
-            wide.jointed[island] = true;
+            wide.joint_counts[island] += 1;
+            wide.hangs[island] |= ends.iter().any(|(_, body)| !body.is_active());
             wide.unfit[island] |= !joints::fits(&joint.definition) || ends.iter().any(|(_, b)| b.is_moving_kinematic());
             // Whatever does not move is one: the number after the last slot.
             let [a, b] = ends.map(|(slot, body)| if body.is_active() { slot } else { slots });
@@ -167,7 +182,7 @@ impl World {
                 continue;
             }
             if root == island {
-                let (batch, size) = &mut open[usize::from(wide.jointed[root])];
+                let (batch, size) = &mut open[usize::from(wide.joint_counts[root] > 0)];
                 if *size >= BATCH {
                     (*batch, *size) = (wide.start_batch(), 0);
                 }
@@ -181,7 +196,8 @@ impl World {
         wide.index_of.resize(self.bodies.slot_count(), 0);
         wide.local_island.clear();
         wide.local_island.resize(wide.parents.len(), NONE);
-        let gravity = self.options.gravity;
+        wide.island_of.clear();
+        wide.island_of.resize(self.bodies.slot_count(), NONE);
         for (slot, body) in self.bodies.iter().filter(|(_, b)| b.is_active()) {
             let number = wide.batch_of_island[body.island as usize];
             if number == NONE {
@@ -189,12 +205,13 @@ impl World {
             }
             let batch = &mut wide.batches[number as usize];
             wide.batch_of[slot as usize] = number;
-            wide.index_of[slot as usize] = batch.add_mover(slot, body, gravity);
+            wide.index_of[slot as usize] = batch.movers.add(slot);
             let local = &mut wide.local_island[body.island as usize];
             if *local == NONE {
                 *local = batch.islands.len() as u32;
                 batch.islands.push(IslandState { number: body.island, first_body: NONE, ..IslandState::default() });
             }
+            wide.island_of[slot as usize] = *local;
             let island = &mut batch.islands[*local as usize];
             if body.height != NO_HEIGHT {
                 island.levels = island.levels.max(body.height);
@@ -203,21 +220,17 @@ impl World {
     }
 
     fn fill_batches(&mut self, wide: &mut Wide, dt: f32) {
-        for (index, contact) in self.contacts.iter().enumerate() {
-            if contact.sensor || contact.manifolds.is_empty() {
-                continue;
-            }
-            let slots = [contact.body_a, contact.body_b];
-            let Some(&slot) = slots.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
-            let batch = &mut wide.batches[wide.batch_of[slot as usize] as usize];
-            let island = wide.local_island[self.bodies.at(slot).island as usize];
+        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets()) {
+            let Some(&slot) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
+            let number = wide.batch_of[slot as usize];
+            let batch = &mut wide.batches[number as usize];
+            (link.batch, link.place) = (number, batch.places.len() as u32);
+            let island = wide.island_of[slot as usize];
             let state = &mut batch.islands[island as usize];
             state.first_body = state.first_body.min(slot);
-            state.manifolds += contact.manifolds.len() as u32;
-            for manifold in 0..contact.manifolds.len() {
-                let bodies = slots.map(|s| wide.index_of[s as usize]);
-                batch.places.push(Place::new(index as u32, manifold as u32, bodies, island));
-            }
+            state.manifolds += link.manifolds;
+            let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
+            batch.places.extend((0..link.manifolds).map(|m| Place::new(index as u32, m, bodies, island)));
         }
         for (slot, joint) in self.joints.iter() {
             let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
@@ -239,11 +252,4 @@ impl World {
         self.workers.for_each(&mut wide.batches[..wide.used], |batch| batch.build(level, &source));
         wide.rows = wide.batches[..wide.used].iter().map(|b| (b.rows + b.joints.rows) as usize).sum();
     }
-}
-
-fn asks_too_much(contact: &Contact, bounces: bool) -> bool {
-    contact.rolling_friction > 0.0
-        || contact.torsional_friction > 0.0
-        || (bounces && contact.restitution > 0.0)
-        || contact.surface_velocity != crate::math::Vec3::ZERO
 }

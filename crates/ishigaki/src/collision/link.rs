@@ -1,0 +1,100 @@
+//! What later stages ask of a contact, close together in memory: contacts themselves are ten times as large.
+//!
+//! Made anew in each step while a contact is at hand, in the order of contacts: islands, heights and batches look at
+//! these alone.
+
+use crate::body::BodyState;
+use crate::collision::manifold::Contact;
+use crate::math::Vec3;
+use crate::options::WorldOptions;
+use crate::world::World;
+
+/// A contact in this step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    /// Slots of its bodies.
+    pub bodies: [u32; 2],
+    /// How many manifolds it has.
+    pub manifolds: u32,
+    /// Overlap is all that is asked of it.
+    pub sensor: bool,
+    /// Its bodies may touch in this step: they are of one island.
+    pub unites: bool,
+    /// Its surfaces touch: one body may stand on the other.
+    pub bears: bool,
+    /// Rolling or torsional friction, a bounce or a moving surface: rows that only the reference has.
+    pub asks_much: bool,
+    /// Its batch in the wide path, or [`Link::NONE`].
+    pub batch: u32,
+    /// The place of its first manifold there.
+    pub place: u32,
+}
+
+/// What links are judged by.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Judge {
+    dt: f32,
+    /// What gravity may add to the motion of the step, m.
+    fall: f32,
+    slop: f32,
+    bounces: bool,
+}
+
+impl Judge {
+    pub fn new(options: &WorldOptions, dt: f32) -> Self {
+        Self {
+            dt,
+            fall: options.gravity.length() * dt * dt,
+            slop: options.solver.slop.depth * options.length_scale,
+            bounces: options.solver.restitution.enabled,
+        }
+    }
+
+    /// Whether the two may touch within the step, in which they also fall.
+    fn closes(&self, contact: &Contact, a: &BodyState, b: &BodyState) -> bool {
+        let (linear_a, angular_a) = a.velocities_in_step(self.dt);
+        let (linear_b, angular_b) = b.velocities_in_step(self.dt);
+        contact.manifolds.iter().any(|m| {
+            m.points.iter().any(|p| {
+                let velocity_a = linear_a + angular_a.cross(p.arm_a);
+                let velocity_b = linear_b + angular_b.cross(p.arm_b);
+                p.separation + self.dt * m.normal.dot(velocity_a - velocity_b) <= self.fall
+            })
+        })
+    }
+}
+
+impl Link {
+    /// No batch.
+    pub const NONE: u32 = u32::MAX;
+
+    pub fn new(contact: &Contact, a: &BodyState, b: &BodyState, judge: &Judge) -> Self {
+        let meets = !contact.sensor && !contact.manifolds.is_empty();
+        let reaches = |depth| contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= depth);
+        Self {
+            bodies: [contact.body_a, contact.body_b],
+            manifolds: contact.manifolds.len() as u32,
+            sensor: contact.sensor,
+            unites: meets && (contact.touching || judge.closes(contact, a, b)),
+            bears: meets && contact.touching && reaches(judge.slop),
+            asks_much: contact.rolling_friction > 0.0
+                || contact.torsional_friction > 0.0
+                || (judge.bounces && contact.restitution > 0.0)
+                || contact.surface_velocity != Vec3::ZERO,
+            batch: Self::NONE,
+            place: 0,
+        }
+    }
+
+    /// Whether it has rows.
+    pub fn meets(&self) -> bool {
+        !self.sensor && self.manifolds > 0
+    }
+}
+
+impl World {
+    /// The links of all contacts.
+    pub(crate) fn links(&self) -> &[Link] {
+        &self.scratch.links
+    }
+}
