@@ -15,7 +15,6 @@
 use crate::body::NO_HEIGHT;
 use crate::collision::manifold::Manifold;
 use crate::math::{Mat3, Vec3, skew, tangents};
-use crate::solver::level_correction;
 use crate::solver::plan::Plan;
 use crate::solver::table::SolverBody;
 use crate::world::World;
@@ -25,9 +24,15 @@ const EPSILON: f32 = 1e-4;
 /// Tries with fewer points.
 const TRIES: usize = 3;
 
-/// Whether bodies rather hit each other than rest, and little was gained: energies in J; `scale` = Σλ g h.
-pub(crate) fn is_hopeless(gain: f32, unrest: f32, scale: f32) -> bool {
-    gain < level_correction::HOPELESS * unrest && unrest > level_correction::TUMBLING * scale
+/// Less than this part of Σλ g h is left to sweeps.
+pub(crate) const ENOUGH: f32 = 3e-8;
+/// What takes a smaller part of the unrest is not tried again for `PAUSE` steps: sweeps take more for the same work.
+const WORTH: f32 = 0.08;
+pub(crate) const PAUSE: u64 = 4;
+
+/// Whether to hand down in the next substep too: what was gained of the unrest there was, both J.
+pub(crate) fn is_worth_it(gain: f32, unrest: f32) -> bool {
+    gain > WORTH * unrest
 }
 
 /// Force impulse, N·s, and torque impulse about the center of mass, N·m·s.

@@ -106,8 +106,9 @@ pub struct LevelCorrection {
     touched: Vec<u32>,
     /// Multiply-adds of the step so far.
     pub work: u64,
-    /// First bodies of islands that corrections did not help, until the caller takes them.
-    pub(crate) pauses: Vec<u32>,
+    /// First bodies of islands that corrections did not help, and for how many steps these rest, until the caller takes
+    /// them.
+    pub(crate) pauses: Vec<(u32, u64)>,
     current: Option<(u32, Choice)>,
     links: Vec<(u32, u32)>,
     users: Vec<(u32, u32)>,
@@ -124,10 +125,10 @@ const ENOUGH: f32 = 1e-7;
 pub(crate) const CALM: f32 = 1e-9;
 /// A correction must take this part of what sweeps for the same work would take; else it rests for `PAUSE` steps.
 const WORTH: f32 = 0.2;
-pub(crate) const HOPELESS: f32 = 0.03;
-pub(crate) const PAUSE: u64 = 8;
+const HOPELESS: f32 = 0.03;
+const PAUSE: u64 = 8;
 /// Above this part of Σλ g h bodies hit each other; below it they rest or sag.
-pub(crate) const TUMBLING: f32 = 1e-2;
+const TUMBLING: f32 = 1e-2;
 /// More manifolds than `MANY`, and more than `WIDTH` on a level, are dear to correct.
 const MANY: usize = 200;
 const WIDTH: usize = 4;
@@ -151,7 +152,9 @@ impl World {
             if stands {
                 let scale = island.iter().map(|m| m.load).sum::<f32>() * self.options.gravity.length() * h;
                 let is_dear = is_dear(island.len(), island[active - 1].level as usize);
-                let worth_it = if is_dear && self.options.solver.hand_down.enabled {
+                let hands_down = is_dear && self.options.solver.hand_down.enabled;
+                let pause = if hands_down { hand_down::PAUSE } else { PAUSE };
+                let worth_it = if hands_down {
                     self.hand_down_island(plan, &mut work, island, active, scale)
                 } else {
                     let worth_it = self.correct_island(plan, &mut work, island, active, scale);
@@ -159,7 +162,7 @@ impl World {
                     worth_it
                 };
                 if !worth_it {
-                    work.pauses.push(first);
+                    work.pauses.push((first, pause));
                 }
             }
         }
@@ -184,9 +187,12 @@ impl World {
             mark_calm(plan, all);
             return true;
         }
+        if unrest <= hand_down::ENOUGH * scale {
+            return true;
+        }
         let (gain, multiply_adds) = self.hand_down_rows(plan, all.iter().map(|m| m.manifold));
         work.work += multiply_adds;
-        !hand_down::is_hopeless(gain, unrest, scale)
+        hand_down::is_worth_it(gain, unrest)
     }
 
     /// Correction and a sweep over the island's contacts in turn, while the correction still finds something; whether

@@ -21,9 +21,7 @@ use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::{Plan, scale_contacts};
 use crate::solver::restitution::{self, Impact};
 use crate::solver::table::{MassScale, Row, SolverBody, couple_disks};
-use crate::solver::{
-    joint_tree, level_correction, permutation, reference, residual, shock_propagation, slop, table, warm_start, work,
-};
+use crate::solver::{joint_tree, permutation, reference, residual, shock_propagation, slop, table, warm_start, work};
 use crate::world::World;
 use arrayvec::ArrayVec;
 
@@ -326,8 +324,8 @@ impl World {
     fn sweeps(&mut self, plan: &mut Plan, h: f32) {
         if self.corrects_levels() {
             self.correct_levels(plan, h);
-            for body in plan.level_correction.pauses.drain(..) {
-                self.bodies.at_mut(body).no_correction_until = self.step_count + level_correction::PAUSE;
+            for (body, steps) in plan.level_correction.pauses.drain(..) {
+                self.bodies.at_mut(body).no_correction_until = self.step_count + steps;
             }
         }
         for sweep in 0..plan.sweeps {

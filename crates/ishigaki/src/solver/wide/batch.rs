@@ -80,8 +80,8 @@ pub struct Outcome {
     pub work: u64,
     /// Greatest change of an impulse that a visit would make after the last sweep before the last motion, N·s.
     pub residual: f32,
-    /// First bodies of islands that corrections did not help: they rest from them for some steps.
-    pub pauses: Vec<u32>,
+    /// First bodies of islands that corrections did not help, and for how many steps these rest.
+    pub pauses: Vec<(u32, u64)>,
 }
 
 /// Islands that are solved together.

@@ -21,6 +21,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use std::sync::{Mutex, PoisonError};
 
+/// What rests, and whose unrest is below this part of Σλ g h, is kept so by two sweeps.
+const QUIET: f32 = 3e-8;
+
 impl World {
     /// Solves all batches, on several threads if the world has them.
     pub(crate) fn solve_batches(&self, wide: &mut Wide, dt: f32) {
@@ -78,8 +81,8 @@ impl World {
                 if looks {
                     batch.look(level, &pass);
                     batch.outcome.work += work.looks;
-                    let is_calm = self.correct_batch(batch, aid, &pass);
-                    if is_calm && substeps < solver_substeps {
+                    let is_quiet = self.correct_batch(batch, aid, &pass);
+                    if is_quiet && substeps < solver_substeps {
                         // The impulses are found: one sweep keeps them so.
                         (sweeps, order) = (2, Order::for_sweeps(2));
                     }
@@ -131,18 +134,18 @@ impl World {
     fn pauses(&self, batch: &Batch, island: &IslandState) -> bool {
         island.first_body == u32::MAX
             || self.bodies.at(island.first_body).no_correction_until > self.step_count
-            || batch.outcome.pauses.contains(&island.first_body)
+            || batch.outcome.pauses.iter().any(|&(body, _)| body == island.first_body)
     }
 
-    /// Corrects the loads of stacks that are not at rest; whether there were none.
+    /// Corrects the loads of stacks that are not at rest; whether all of them are quiet.
     fn correct_batch(&self, batch: &mut Batch, aid: &mut Plan, pass: &SweepPass) -> bool {
         let g = self.options.gravity.length();
         let mut wanted = std::mem::take(&mut aid.chosen);
         wanted.clear();
-        let mut all_calm = true;
+        let mut all_quiet = true;
         for island in &batch.islands {
             let is_calm = island.unrest <= level_correction::CALM * island.load * g * pass.h;
-            all_calm &= is_calm;
+            all_quiet &= island.unrest <= QUIET * island.load * g * pass.h;
             wanted.push(!is_calm && island.levels > 1 && !self.pauses(batch, island));
         }
         if self.options.solver.hand_down.enabled && self.corrects_levels() {
@@ -153,7 +156,7 @@ impl World {
             batch.outcome.pauses.append(&mut aid.level_correction.pauses);
         }
         aid.chosen = wanted;
-        all_calm
+        all_quiet
     }
 
     /// Takes the islands out of `wanted` that are too dear for level correction, and hands their loads down.
@@ -165,9 +168,12 @@ impl World {
                 continue;
             }
             *is_wanted = false;
+            if island.unrest <= hand_down::ENOUGH * island.load * g * pass.h {
+                continue;
+            }
             let gain = self.hand_down(batch, work, index as u32);
-            if hand_down::is_hopeless(gain, island.unrest, island.load * g * pass.h) {
-                batch.outcome.pauses.push(island.first_body);
+            if !hand_down::is_worth_it(gain, island.unrest) {
+                batch.outcome.pauses.push((island.first_body, hand_down::PAUSE));
             }
         }
     }

@@ -4,7 +4,6 @@ use crate::collision::link::Link;
 use crate::collision::manifold::{Contact, Manifold};
 use crate::collision::update::Touch;
 use crate::math::{Vec3, tangents};
-use crate::solver::level_correction;
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{Batch, Place};
 use crate::world::World;
@@ -27,8 +26,8 @@ impl World {
         for batch in &mut wide.batches[..wide.used] {
             self.report.work += batch.outcome.work;
             self.report.residual = self.report.residual.max(batch.outcome.residual);
-            for &body in &batch.outcome.pauses {
-                self.bodies.at_mut(body).no_correction_until = self.step_count + level_correction::PAUSE;
+            for &(body, steps) in &batch.outcome.pauses {
+                self.bodies.at_mut(body).no_correction_until = self.step_count + steps;
             }
             batch.joints.store(&mut self.joints, batch.substeps as f32 / full, dt);
         }
