@@ -31,6 +31,15 @@ pub fn cargo(toolchain: Option<&str>, arguments: &[&str]) -> Command {
     command
 }
 
+/// The program `name`, built through the integration test `test` of its package, which needs it. With these packages and a
+/// test, dependencies have the features that they have for `cargo test --workspace`; `cargo build --package` would ask for
+/// fewer, and so compile nearly all of them a second time.
+pub fn program(name: &str, test: &str) -> Result<PathBuf, String> {
+    let arguments = ["test", "--quiet", "--workspace", "--no-run", "--test", test];
+    execute(&format!("program {name}"), &mut cargo(None, &arguments))?;
+    Ok(target_directory().join("debug").join(format!("{name}{}", std::env::consts::EXE_SUFFIX)))
+}
+
 /// Runs a command to its end, says how long it took.
 pub fn execute(title: &str, command: &mut Command) -> Result<(), String> {
     eprintln!("── {title}");
