@@ -3,6 +3,7 @@
 //! A test that needs more than Rust skips itself by appending `SKIPPED kind: how to get it` to the file named
 //! by `ISHIGAKI_SKIP_LOG`, unless its kind is in `ISHIGAKI_REQUIRE`: then a skip is a failure.
 
+use crate::counts;
 use crate::run::{cargo, execute, root, target_directory};
 use crate::web;
 use std::fs;
@@ -43,6 +44,10 @@ pub fn run() -> Result<(), String> {
         Some(why) => skip(&log, &format!("SKIPPED miri: {why}"))?,
     }
 
+    match counts::missing() {
+        None => failures.extend(counts::run(false).err()),
+        Some(why) => skip(&log, &format!("SKIPPED valgrind: {why}"))?,
+    }
     if web::missing().or_else(web::browser_missing).is_none() {
         failures.extend(web::test().err());
     }
