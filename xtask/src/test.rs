@@ -3,11 +3,12 @@
 //! A test that needs more than Rust skips itself by appending `SKIPPED kind: how to get it` to the file named
 //! by `ISHIGAKI_SKIP_LOG`, unless its kind is in `ISHIGAKI_REQUIRE`: then a skip is a failure.
 
-use crate::run::{cargo, execute, root, target_directory};
+use crate::counts;
+use crate::run::{cargo, execute, execute_beside, root, target_directory};
 use crate::web;
 use std::fs;
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 pub fn run() -> Result<(), String> {
     let log = target_directory().join("skipped.txt");
@@ -15,32 +16,38 @@ pub fn run() -> Result<(), String> {
     fs::write(&log, "").map_err(|e| format!("{}: {e}", log.display()))?;
 
     let mut failures = Vec::new();
+    let miri = match miri_missing() {
+        None => Some(execute_beside("miri", miri(&log))),
+        Some(why) => {
+            skip(&log, &format!("SKIPPED miri: {why}"))?;
+            None
+        }
+    };
     // First: the command line has the page inside, and its tests look at it.
     match web::missing().or_else(web::browser_missing) {
         None => failures.extend(web::build().err()),
         Some(why) => skip(&log, &format!("SKIPPED web: {why}"))?,
     }
-    let mut suite = |title: &str, toolchain: Option<&str>, arguments: &[&str], environment: &[(&str, &str)]| {
-        let mut command = cargo(toolchain, arguments);
-        command.env("ISHIGAKI_SKIP_LOG", &log).envs(environment.iter().copied());
+    let mut suite = |title: &str, arguments: &[&str]| {
+        let mut command = cargo(None, arguments);
+        command.env("ISHIGAKI_SKIP_LOG", &log);
         failures.extend(execute(title, &mut command).err());
     };
 
-    suite("workspace", None, &["test", "--workspace", "--no-fail-fast"], &[]);
+    suite("workspace", &["test", "--workspace", "--no-fail-fast"]);
     if root().join("crates/ishigaki/tests/golden.rs").exists() {
-        let unoptimized = ["test", "--profile", "unoptimized", "--package", "ishigaki", "--test", "golden"];
-        suite("golden hashes, unoptimized", None, &unoptimized, &[]);
+        // The engine alone as a plain debug build compiles it, beside the dependencies that are there already.
+        let engine = ["--config", "profile.dev.package.ishigaki.opt-level=0"];
+        let unoptimized = [&["test", "--workspace", "--test", "golden"][..], &engine].concat();
+        suite("golden hashes, unoptimized", &unoptimized);
     }
-    match miri_missing() {
-        None => {
-            // Miri does not know libm's assembly; its soft floats give the same bits.
-            let soft = ["--features", "libm/force-soft-floats"];
-            let miri = [&["miri", "test", "--package", "ishigaki-miri", "--test", "small"][..], &soft].concat();
-            suite("miri", Some("nightly"), &miri, &[("MIRIFLAGS", "-Zmiri-strict-provenance")]);
-        }
-        Some(why) => skip(&log, &format!("SKIPPED miri: {why}"))?,
+    if let Some(miri) = miri {
+        failures.extend(miri.join().unwrap_or_else(|_| Err("miri: its thread panicked".into())).err());
     }
-
+    match counts::missing() {
+        None => failures.extend(counts::run(false).err()),
+        Some(why) => skip(&log, &format!("SKIPPED valgrind: {why}"))?,
+    }
     if web::missing().or_else(web::browser_missing).is_none() {
         failures.extend(web::test().err());
     }
@@ -68,6 +75,15 @@ fn skip(log: &Path, line: &str) -> Result<(), String> {
     use std::io::Write;
     let mut file = fs::OpenOptions::new().append(true).open(log).map_err(|e| format!("{}: {e}", log.display()))?;
     writeln!(file, "{line}").map_err(|e| format!("{}: {e}", log.display()))
+}
+
+fn miri(log: &Path) -> Command {
+    // Miri does not know libm's assembly; its soft floats give the same bits.
+    let soft = ["--features", "libm/force-soft-floats"];
+    let arguments = [&["miri", "test", "--package", "ishigaki-miri", "--test", "small"][..], &soft].concat();
+    let mut command = cargo(Some("nightly"), &arguments);
+    command.env("ISHIGAKI_SKIP_LOG", log).env("MIRIFLAGS", "-Zmiri-strict-provenance");
+    command
 }
 
 /// Why Miri cannot run, or `None`.

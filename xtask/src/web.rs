@@ -3,7 +3,7 @@
 //! The JavaScript side is written by wasm-bindgen's own library, of the version in `Cargo.lock`: there is no second
 //! program to install and to keep in step. It is large, so it is behind a feature and this program calls itself.
 
-use crate::run::{cargo, execute, root, target_directory};
+use crate::run::{cargo, execute, program, root, target_directory};
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -29,11 +29,9 @@ pub fn build() -> Result<(), String> {
 
 /// The page in a real browser, and the bits of the engine in it against those of the native program.
 pub fn test() -> Result<(), String> {
-    let build = ["build", "--quiet", "--package", "ishigaki-cli"];
-    execute("native program for the page's tests", &mut cargo(None, &build))?;
-    let program = target_directory().join("debug").join(format!("ishigaki{}", std::env::consts::EXE_SUFFIX));
+    let native = program("ishigaki", "run")?;
     let mut tests = npm(&["test", "--silent"]);
-    execute("web", tests.env("ISHIGAKI_BIN", program).current_dir(root().join("web")))
+    execute("web", tests.env("ISHIGAKI_BIN", native).current_dir(root().join("web")))
 }
 
 /// Why the page cannot be tested, or `None`.
