@@ -26,6 +26,22 @@ pub trait Engine {
     fn phases(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
     }
+
+    /// What the last step had to do with; `None` for an engine that does not say.
+    fn counts(&self) -> Option<Counts> {
+        None
+    }
+}
+
+/// How much there was in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Islands awake.
+    pub islands: usize,
+    /// Pairs of shapes with contact points.
+    pub contacts: usize,
+    /// Dynamic bodies asleep.
+    pub asleep: usize,
 }
 
 /// Where a body is and how it moves.

@@ -6,7 +6,9 @@ mod lockstep;
 mod memory;
 mod meter;
 mod plot;
+mod progress;
 mod report;
+mod scaling;
 mod scene;
 mod scenes;
 mod solid;
@@ -16,10 +18,11 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::Parser;
 use engine::{DT, KINDS, Kind, Setup};
 use ishigaki::WorldOptions;
-use lockstep::Course;
+use lockstep::{Course, Looks};
+use progress::Progress;
 use report::Row;
 use scenes::Entry;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -39,24 +42,38 @@ struct Arguments {
     /// Steps in a turn.
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     turn: u32,
-    /// Threads, for engines that use them.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=32))]
-    threads: u32,
+    /// Threads, for engines that use them: 1, or 1 and 2 with --scaling, which takes several numbers.
+    #[arg(long, value_delimiter = ',', value_name = "N", value_parser = clap::value_parser!(u32).range(1..=32))]
+    threads: Vec<u32>,
     /// Let bodies fall asleep.
     #[arg(long)]
     sleep: bool,
     /// Time only what comes after so many seconds of the scene.
     #[arg(long, default_value_t = 0.0, value_name = "SECONDS")]
     rest_after: f64,
-    /// An engine that has stepped longer than this in a scene stops there, with a note.
-    #[arg(long, default_value_t = 60.0, value_name = "SECONDS")]
-    limit: f64,
+    /// An engine that has stepped longer than this in a scene stops there, with a note: 60, with --scaling 300.
+    #[arg(long, value_name = "SECONDS")]
+    limit: Option<f64>,
     /// Set an option of Ishigaki's by its path: solver.substeps=2.
     #[arg(long, value_name = "PATH=VALUE")]
     set: Vec<String>,
     /// Time the stages of Ishigaki's step.
     #[arg(long)]
     phases: bool,
+    /// Cost of a body in series of growing scenes, instead of the table.
+    #[arg(long, conflicts_with_all = ["scenes", "rest_after"])]
+    scaling: bool,
+    /// Series to measure; all by default.
+    #[arg(long, value_delimiter = ',', value_name = "A,B,…", requires = "scaling")]
+    series: Vec<String>,
+    /// Bodies in a world, for series in which these grow: 1000,3000,10000,30000,100000.
+    #[arg(long, value_delimiter = ',', value_name = "N,M,…", requires = "scaling",
+          value_parser = clap::value_parser!(u32).range(100..=i64::from(scenes::MOST)))]
+    sizes: Vec<u32>,
+    /// Leave out worlds with more bodies.
+    #[arg(long, default_value_t = 100_000, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(100..=i64::from(scenes::MOST)))]
+    max_bodies: u32,
     /// Do not measure memory: saves two processes for each engine and scene.
     #[arg(long)]
     no_memory: bool,
@@ -80,11 +97,15 @@ struct Arguments {
     memory_child: Option<String>,
 }
 
+/// Of stepping, for an engine and a scene of the table, s.
+const LIMIT: f64 = 60.0;
+
 /// Arguments that make sense.
 struct Plan {
     entries: Vec<Entry>,
     kinds: Vec<Kind>,
     setup: Setup,
+    scaling: Option<scaling::Plan>,
 }
 
 fn main() -> ExitCode {
@@ -111,12 +132,44 @@ fn main() -> ExitCode {
 
 fn plan(arguments: &Arguments) -> Result<Plan> {
     let entries = match arguments.scenes.is_empty() {
+        true if arguments.scaling => Vec::new(),
         true => scenes::list(),
         false => arguments.scenes.iter().map(|name| scenes::find(name)).collect::<Result<_>>()?,
     };
     for entry in &entries {
         entry.build()?;
     }
+    let kinds = kinds(arguments)?;
+    ensure!(arguments.rest_after >= 0.0, "--rest-after must be ≥ 0, is {}", arguments.rest_after);
+    ensure!(
+        arguments.limit.is_none_or(|limit| limit > 0.0),
+        "--limit must be > 0, is {}",
+        arguments.limit.unwrap_or(0.0)
+    );
+    let threads = &arguments.threads;
+    ensure!(arguments.scaling || threads.len() < 2, "--threads takes several numbers only with --scaling");
+    for (i, number) in threads.iter().enumerate() {
+        ensure!(!threads[..i].contains(number), "--threads {number} is given twice");
+    }
+    let mut options = WorldOptions::default();
+    for text in &arguments.set {
+        let (path, value) = text.split_once('=').with_context(|| format!("--set {text}: must be PATH=VALUE"))?;
+        ishigaki_scenes::set_option(&mut options, path, value).with_context(|| format!("--set {text}"))?;
+    }
+    let setup = Setup {
+        threads: threads.first().copied().unwrap_or(1),
+        sleep: arguments.sleep,
+        phases: arguments.phases,
+        ishigaki: options,
+    };
+    let scaling = match arguments.scaling {
+        true => Some(scaling::Plan::new(arguments, &kinds, &setup)?),
+        false => None,
+    };
+    Ok(Plan { entries, kinds, setup, scaling })
+}
+
+fn kinds(arguments: &Arguments) -> Result<Vec<Kind>> {
     let mut kinds = Vec::new();
     for name in &arguments.engines {
         let Some(kind) = KINDS.iter().find(|k| k.name == name) else {
@@ -126,19 +179,7 @@ fn plan(arguments: &Arguments) -> Result<Plan> {
         ensure!(!kinds.iter().any(|k: &Kind| k.name == name), "engine `{name}` is given twice");
         kinds.push(*kind);
     }
-    if kinds.is_empty() {
-        kinds = KINDS.to_vec();
-    }
-    ensure!(arguments.rest_after >= 0.0, "--rest-after must be ≥ 0, is {}", arguments.rest_after);
-    ensure!(arguments.limit > 0.0, "--limit must be > 0, is {}", arguments.limit);
-    let mut options = WorldOptions::default();
-    for text in &arguments.set {
-        let (path, value) = text.split_once('=').with_context(|| format!("--set {text}: must be PATH=VALUE"))?;
-        ishigaki_scenes::set_option(&mut options, path, value).with_context(|| format!("--set {text}"))?;
-    }
-    let setup =
-        Setup { threads: arguments.threads, sleep: arguments.sleep, phases: arguments.phases, ishigaki: options };
-    Ok(Plan { entries, kinds, setup })
+    Ok(if kinds.is_empty() { KINDS.to_vec() } else { kinds })
 }
 
 fn perform(arguments: &Arguments, plan: &Plan) -> Result<()> {
@@ -148,10 +189,11 @@ fn perform(arguments: &Arguments, plan: &Plan) -> Result<()> {
     if let Some(world) = &arguments.memory_child {
         return memory_child(arguments, plan, world == "empty");
     }
-    if !arguments.quiet {
-        for kind in &plan.kinds {
-            eprintln!("{:<9} {}", kind.name, (kind.about)());
-        }
+    for kind in &plan.kinds {
+        Progress::new(arguments.quiet).say(&format!("{:<9} {}", kind.name, (kind.about)()));
+    }
+    if let Some(plan) = &plan.scaling {
+        return scaling::perform(arguments, plan);
     }
     if !arguments.json {
         say(&report::table_head())?;
@@ -186,51 +228,29 @@ fn run_scene(arguments: &Arguments, plan: &Plan, entry: &Entry) -> Result<Vec<Ro
         steps: arguments.steps.unwrap_or(entry.steps) + warm_up,
         turn: arguments.turn,
         warm_up,
-        limit: arguments.limit,
+        limit: arguments.limit.unwrap_or(LIMIT),
+        looks: Looks::Always,
     };
-    // A line that is written over again and again is for people who watch, not for files.
-    let watched = !arguments.quiet && std::io::stderr().is_terminal();
-    let tell = |text: &str| {
-        if watched {
-            eprint!("\r\x1b[K{text}");
-        }
-    };
-    if !arguments.quiet && !watched {
-        eprintln!(
-            "{}: {} bodies, {} joints, {} steps",
-            entry.name,
-            scene.bodies.len(),
-            scene.joints.len(),
-            course.steps
-        );
-    }
-    let mut progress = |done: u32| tell(&format!("{}: step {done} of {}", entry.name, course.steps));
-    let runs = lockstep::run(&scene, &plan.kinds, &plan.setup, &course, &mut progress);
-    tell("");
+    let progress = Progress::new(arguments.quiet);
+    let (bodies, joints) = (scene.bodies.len(), scene.joints.len());
+    progress.log(&format!("{}: {bodies} bodies, {joints} joints, {} steps", entry.name, course.steps));
+    let players = lockstep::players(&plan.kinds, &[plan.setup.threads]);
+    let mut done = |steps: u32| progress.tell(&format!("{}: step {steps} of {}", entry.name, course.steps));
+    let runs = lockstep::run(&scene, &players, &plan.setup, &course, &mut done);
+    progress.tell("");
     let runs = runs.with_context(|| format!("scene `{}`", entry.name))?;
     let memory = |engine: &str| {
         if arguments.no_memory {
             return None;
         }
-        tell(&format!("{}: memory of {engine}", entry.name));
-        let peak = memory::measure(&child_arguments(arguments, entry, course.steps), engine);
-        tell("");
+        progress.tell(&format!("{}: memory of {engine}", entry.name));
+        let Setup { threads, sleep, .. } = plan.setup;
+        let child = memory::Child { scene: &entry.name, threads, sleep, set: &arguments.set, steps: course.steps };
+        let peak = memory::measure(&child.arguments(course.limit.min(10.0)), engine);
+        progress.tell("");
         peak
     };
     Ok(report::rows(entry, &runs, memory))
-}
-
-/// What makes a child describe the same scene and step it as long, though never longer than ten seconds.
-fn child_arguments(arguments: &Arguments, entry: &Entry, steps: u32) -> Vec<String> {
-    let limit = arguments.limit.min(10.0);
-    let mut list = vec!["--scenes".to_string(), entry.name.clone(), "--quiet".to_string()];
-    list.extend(["--steps".to_string(), steps.to_string(), "--limit".to_string(), limit.to_string()]);
-    list.extend(["--threads".to_string(), arguments.threads.to_string()]);
-    list.extend(arguments.set.iter().flat_map(|set| ["--set".to_string(), set.clone()]));
-    if arguments.sleep {
-        list.push("--sleep".to_string());
-    }
-    list
 }
 
 fn memory_child(arguments: &Arguments, plan: &Plan, empty: bool) -> Result<()> {
@@ -240,7 +260,7 @@ fn memory_child(arguments: &Arguments, plan: &Plan, empty: bool) -> Result<()> {
     let steps = arguments.steps.unwrap_or(entry.steps);
     let threads = if kind.threaded { plan.setup.threads } else { 1 };
     let setup = Setup { threads, ..plan.setup.clone() };
-    memory::child(&entry.build()?, kind, &setup, empty, steps, arguments.limit)
+    memory::child(&entry.build()?, kind, &setup, empty, steps, arguments.limit.unwrap_or(LIMIT))
 }
 
 fn print_list() -> Result<()> {
@@ -251,6 +271,10 @@ fn print_list() -> Result<()> {
     say("scenes:")?;
     for entry in scenes::list() {
         say(&format!("  {:<18} {} steps", entry.name, entry.steps))?;
+    }
+    say("series of --scaling:")?;
+    for series in scaling::SERIES {
+        say(&format!("  {:<18} {}", series.name, series.about))?;
     }
     Ok(())
 }

@@ -35,6 +35,34 @@ pub fn child(scene: &Scene, kind: &Kind, setup: &Setup, empty: bool, steps: u32,
     Ok(())
 }
 
+/// What a child is to do.
+pub struct Child<'a> {
+    /// As `--scenes` takes it.
+    pub scene: &'a str,
+    /// Threads, for an engine that uses them.
+    pub threads: u32,
+    /// Whether bodies may fall asleep.
+    pub sleep: bool,
+    /// Options of Ishigaki's.
+    pub set: &'a [String],
+    /// Steps.
+    pub steps: u32,
+}
+
+impl Child<'_> {
+    /// What makes a child describe the same scene and step it as long, though never longer than `limit` seconds.
+    pub fn arguments(&self, limit: f64) -> Vec<String> {
+        let mut list = vec!["--scenes".to_string(), self.scene.to_string(), "--quiet".to_string()];
+        list.extend(["--steps".to_string(), self.steps.to_string(), "--limit".to_string(), limit.to_string()]);
+        list.extend(["--threads".to_string(), self.threads.to_string()]);
+        list.extend(self.set.iter().flat_map(|set| ["--set".to_string(), set.clone()]));
+        if self.sleep {
+            list.push("--sleep".to_string());
+        }
+        list
+    }
+}
+
 /// MiB of an engine in a scene; `None` if a child fails.
 ///
 /// `arguments` make the child describe the same scene; it is told by two more what to do.

@@ -4,7 +4,7 @@ use crate::report::{REFERENCE, Row};
 use std::fmt::Write;
 
 /// Okabe and Ito's colors, told apart by everyone.
-const COLORS: [&str; 6] = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
+pub const COLORS: [&str; 6] = ["#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"];
 /// Pixels.
 const LABELS: f64 = 170.0;
 const WIDTH: f64 = 900.0;
@@ -83,6 +83,7 @@ fn axis(svg: &mut String, low: i32, high: i32, bottom: f64, x: &dyn Fn(f64) -> f
     }
 }
 
-fn escaped(text: &str) -> String {
+/// Text between tags.
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }

@@ -171,7 +171,7 @@ pub fn csv(rows: &[Row]) -> String {
 }
 
 /// A cell of a CSV file.
-fn quoted(cell: String) -> String {
+pub fn quoted(cell: String) -> String {
     if cell.contains([',', '"', '\n']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell }
 }
 
@@ -189,7 +189,7 @@ mod tests {
             stands: false,
             energy_change: 0.0,
         };
-        Run { engine, threads: 1, turns, steps: 300, quality, phases: Vec::new(), note: None }
+        Run { engine, threads: 1, turns, steps: 300, quality, counts: None, phases: Vec::new(), note: None }
     }
 
     #[test]

@@ -1,11 +1,16 @@
 //! The scenes of the table: Ishigaki's named scenes, and a few more that only the bench needs.
 
+mod fields;
+
 use crate::convert::convert;
 use crate::scene::{Body, Form, Scene, Shape};
 use anyhow::{Context, Result, bail};
+use fields::{FIELDS, Field};
 use ishigaki::math::{cos, sin};
 use ishigaki_scenes::SceneFile;
 use ishigaki_scenes::named::Random;
+
+pub use fields::MOST;
 
 /// A scene of the table.
 #[derive(Clone, Debug)]
@@ -22,6 +27,7 @@ pub struct Entry {
 #[derive(Clone, Debug)]
 enum Source {
     Named(String, Vec<(String, f64)>),
+    Field(String, Vec<(String, f64)>),
     File(String),
     Own(fn() -> Scene),
 }
@@ -88,9 +94,13 @@ pub fn find(text: &str) -> Result<Entry> {
         Ok((key.to_string(), value.parse().with_context(|| format!("`{value}` in `{text}` is not a number"))?))
     });
     let parameters = parameters.collect::<Result<Vec<(String, f64)>>>()?;
+    if FIELDS.iter().any(|f| f.name == name) {
+        return Ok(other(300, Source::Field(name.to_string(), parameters)));
+    }
     if !ishigaki_scenes::list().iter().any(|s| s.name == name) {
         let table: Vec<String> = list().into_iter().map(|e| e.name).collect();
-        let named: Vec<&str> = ishigaki_scenes::list().iter().map(|s| s.name).collect();
+        let fields = FIELDS.iter().map(|f| f.name);
+        let named: Vec<&str> = ishigaki_scenes::list().iter().map(|s| s.name).chain(fields).collect();
         bail!(
             "there is no scene `{text}`; the table has {}; with parameters, as in pyramid:base=40, there are {}; \
              a path that ends in .json names a scene file",
@@ -109,11 +119,16 @@ impl Entry {
     pub fn build(&self) -> Result<Scene> {
         match &self.source {
             Source::Named(name, parameters) => convert(&ishigaki_scenes::named(name, parameters)?),
+            Source::Field(name, parameters) => field(name).and_then(|field| field.build(parameters)),
             Source::File(path) => convert(&SceneFile::load(path)?),
             Source::Own(make) => Ok(make()),
         }
         .with_context(|| format!("scene `{}`", self.name))
     }
+}
+
+fn field(name: &str) -> Result<&'static Field> {
+    FIELDS.iter().find(|f| f.name == name).with_context(|| format!("there is no scene `{name}`"))
 }
 
 const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
@@ -132,7 +147,8 @@ fn hulls(n: usize) -> Scene {
         scene.hulls.push(points.collect());
     }
     let columns = 8;
-    container(&mut scene, 0.9 * columns as f32);
+    let width = 0.9 * columns as f32;
+    container(&mut scene, width, 0.25 * width + 0.5);
     for k in 0..n {
         let position = cell(k, columns, 0.9, 0.6);
         let mut body = Body::new(true, position, Shape::new(Form::Hull(k % 8)));
@@ -181,10 +197,20 @@ fn cell(k: usize, columns: usize, spacing: f32, height: f32) -> [f32; 3] {
     [at(place % columns), spacing * (layer as f32 + height), at(place / columns)]
 }
 
-/// The ground and four fixed walls, 1 m thick, around a square of `width`, half as high plus 1 m.
-fn container(scene: &mut Scene, width: f32) {
+/// The k-th of boxes, balls and capsules in turn, as in Ishigaki's `pile`: greatest extent 0.25 to 0.5 m.
+fn mixed(k: usize, random: &mut Random) -> Form {
+    let size = random.between(0.25, 0.5);
+    match k % 3 {
+        0 => Form::Cuboid([0.5 * size, 0.5 * random.between(0.25, size), 0.5 * random.between(0.25, size)]),
+        1 => Form::Ball(0.5 * size),
+        _ => Form::Capsule { half_length: 0.25 * size, radius: 0.25 * size },
+    }
+}
+
+/// The ground and four fixed walls, 1 m thick, around a square of `width`.
+fn container(scene: &mut Scene, width: f32, half_height: f32) {
     scene.bodies.push(Body::new(false, [0.0; 3], Shape::new(Form::HalfSpace)));
-    let (half_height, out) = (0.25 * width + 0.5, 0.5 * width + 0.5);
+    let out = 0.5 * width + 0.5;
     for (x, z) in [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)] {
         let (half_x, half_z) = if x == 0.0 { (0.5 * width + 1.0, 0.5) } else { (0.5, 0.5 * width) };
         let wall = Shape::new(Form::Cuboid([half_x, half_height, half_z]));

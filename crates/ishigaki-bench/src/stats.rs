@@ -33,9 +33,33 @@ pub fn ratios(engine: &[f64], reference: &[f64]) -> Vec<f64> {
     engine.iter().zip(reference).map(|(e, r)| e / r).collect()
 }
 
+/// The power of x that y grows with: the slope of the line through (ln x, ln y) by least squares. `None` for fewer
+/// than two different x, or what has no logarithm.
+pub fn exponent(points: &[(f64, f64)]) -> Option<f64> {
+    if !points.iter().all(|&(x, y)| x > 0.0 && y > 0.0) {
+        return None;
+    }
+    let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
+    let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / logs.len() as f64;
+    let (x, y) = (mean(|p| p.0), mean(|p| p.1));
+    let square: f64 = logs.iter().map(|p| (p.0 - x) * (p.0 - x)).sum();
+    let product: f64 = logs.iter().map(|p| (p.0 - x) * (p.1 - y)).sum();
+    (square > 0.0).then(|| product / square)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_exponent_is_that_of_a_power_law() {
+        let law = |power: f64| -> Vec<(f64, f64)> { [1e3, 3e3, 1e4].map(|x: f64| (x, 7.0 * x.powf(power))).to_vec() };
+        assert!((exponent(&law(0.0)).unwrap()).abs() < 1e-12);
+        assert!((exponent(&law(1.0)).unwrap() - 1.0).abs() < 1e-12);
+        assert!((exponent(&law(-0.5)).unwrap() + 0.5).abs() < 1e-12);
+        assert_eq!(exponent(&[(10.0, 2.0)]), None);
+        assert_eq!(exponent(&[(10.0, 2.0), (20.0, 0.0)]), None);
+    }
 
     #[test]
     fn quantiles_lie_between_neighbors_in_proportion() {

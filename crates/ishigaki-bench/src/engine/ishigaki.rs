@@ -1,9 +1,9 @@
 //! Ishigaki itself.
 
-use super::{DT, Engine, Setup, State, wide};
+use super::{Counts, DT, Engine, Setup, State, wide};
 use crate::scene::{Body, Form, Scene, Shape};
 use anyhow::Context;
-use ishigaki::{BodyHandle, JointFrames, JointKind, Pose, Quat, Stage, StepContext, Vec3, World};
+use ishigaki::{BodyHandle, JointFrames, JointKind, Pose, Quat, Stage, StepContext, StepReport, Vec3, World};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -17,6 +17,7 @@ struct Ishigaki {
     bodies: Vec<BodyHandle>,
     /// Seconds in each stage; `None` if nobody asked.
     stages: Option<[f64; 10]>,
+    counts: Counts,
 }
 
 pub fn build(scene: &Scene, setup: &Setup) -> anyhow::Result<Box<dyn Engine>> {
@@ -46,7 +47,7 @@ pub fn build(scene: &Scene, setup: &Setup) -> anyhow::Result<Box<dyn Engine>> {
     for &[a, b] in &scene.excluded {
         world.exclude_pair(bodies[a], bodies[b])?;
     }
-    Ok(Box::new(Ishigaki { world, bodies, stages: setup.phases.then_some([0.0; 10]) }))
+    Ok(Box::new(Ishigaki { world, bodies, stages: setup.phases.then_some([0.0; 10]), counts: Counts::default() }))
 }
 
 fn definition(body: &Body, hulls: &[Arc<ishigaki::ConvexHull>]) -> anyhow::Result<ishigaki::Body> {
@@ -84,13 +85,14 @@ impl Engine for Ishigaki {
     fn step(&mut self, steps: u32) {
         for _ in 0..steps {
             match &mut self.stages {
-                None => drop(self.world.step(DT)),
+                None => self.counts = counts(&self.world.step(DT)),
                 Some(sums) => {
                     let start = Instant::now();
                     let mut clock = || start.elapsed().as_secs_f64();
                     let mut context = StepContext { clock: Some(&mut clock), hooks: None };
                     let report = self.world.step_with(DT, &mut context);
                     sums.iter_mut().zip(report.stage_seconds).for_each(|(sum, seconds)| *sum += seconds);
+                    self.counts = counts(&report);
                 }
             }
         }
@@ -114,4 +116,12 @@ impl Engine for Ishigaki {
         let names = Stage::ALL.map(Stage::name);
         self.stages.map(|sums| names.into_iter().zip(sums).collect()).unwrap_or_default()
     }
+
+    fn counts(&self) -> Option<Counts> {
+        Some(self.counts)
+    }
+}
+
+fn counts(report: &StepReport) -> Counts {
+    Counts { islands: report.islands, contacts: report.contacts, asleep: report.asleep }
 }
