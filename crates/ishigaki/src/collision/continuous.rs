@@ -97,6 +97,6 @@ impl World {
 }
 
 /// Center at the start of the step; the rotation of the step does not matter for a path of the center.
-fn start_center(body: &BodyState) -> Vec3 {
+pub(crate) fn start_center(body: &BodyState) -> Vec3 {
     body.previous_pose.translation + body.previous_pose.rotation * body.mass.center
 }

@@ -4,8 +4,9 @@
 //! The list of pairs is sorted by shape slots: its order does not depend on the tree.
 
 use crate::body::{BodyKind, BodyState, ShapeState};
+use crate::collision::continuous::start_center;
 use crate::collision::pair::{Pair, insert_pairs};
-use crate::collision::proxy::{FatBounds, Places, Plane};
+use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
 use crate::math::Vec3;
 use crate::world::World;
 
@@ -24,7 +25,8 @@ impl World {
         let (bodies, sizes) = (&self.bodies, Margins { dt, margin, fat });
         let whole = (self.shapes.all(), proxies.places());
         self.workers.in_parts(whole, parts, |(shapes, mut places), moves| {
-            (moves.moved.clear(), moves.planes.clear());
+            moves.moved.clear();
+            moves.planes.clear();
             for (slot, shape) in shapes.objects() {
                 moves.enter(slot, shape, bodies.at(shape.body), &mut places, &sizes);
             }
@@ -47,13 +49,14 @@ impl World {
 
     /// After the motion: bounds that a shape left unforeseen grow to hold it, so that queries find it where it is.
     pub(crate) fn hold_bounds(&mut self) {
-        let (parts, bodies) = (&mut self.scratch.moves, &self.bodies);
+        let (parts, bodies, proxies) = (&mut self.scratch.moves, &self.bodies, &self.scratch.proxies);
         parts.resize_with(self.workers.parts(self.shapes.slot_count()), Moves::default);
         self.workers.in_parts(self.shapes.all(), parts, |shapes, moves| {
             moves.moved.clear();
             for (slot, shape) in shapes.objects() {
                 let body = bodies.at(shape.body);
-                if body.kind == BodyKind::Fixed || body.asleep || body.broken {
+                let rests = body.kind == BodyKind::Fixed || body.asleep || body.broken;
+                if rests || stays_inside(shape, body, &proxies.shapes[slot as usize]) {
                     continue;
                 }
                 let (min, max) = shape.tight_bounds(body);
@@ -209,6 +212,16 @@ fn swept_bounds((min, max): (Vec3, Vec3), shape: &ShapeState, body: &BodyState, 
     let swing = (angular_velocity.length() * reach * dt).min(reach);
     let (motion, pad) = (motion_in_step(body, dt), Vec3::splat(margin + swing));
     (min.min(min + motion) - pad, max.max(max + motion) + pad)
+}
+
+/// Whether the shape moved less since the start of the step than there was room around it: cheaper than bounds.
+fn stays_inside(shape: &ShapeState, body: &BodyState, at_start: &Proxy) -> bool {
+    let room = (at_start.min - shape.bounds_min).min(shape.bounds_max - at_start.max).min_element();
+    let shift = body.center - start_center(body);
+    // A point at r that turns by θ goes 2r sin θ/2, and |q − q₀| = 2 sin θ/4.
+    let reach = 0.5 * (at_start.max - at_start.min).length() + shape.center_from_shape.translation.length();
+    let turn = (body.rotation - body.previous_pose.rotation).length();
+    shift.length() + 2.0 * reach * turn <= room
 }
 
 /// How much farther the bounds of a shape of this size reach, so that they hold for some steps.
