@@ -109,6 +109,8 @@ pub struct Batch {
     pub scales: Vec<ScaleLanes>,
     /// Joints.
     pub joints: Joints,
+    /// Nothing holds or hits its trees of joints: they need fewer sweeps.
+    pub flies: bool,
     /// Islands.
     pub islands: Vec<IslandState>,
     /// Of each block and lane: energy that visits to its rows would take, J.

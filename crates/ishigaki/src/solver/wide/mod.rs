@@ -90,11 +90,12 @@ impl Default for Wide {
 
 impl Wide {
     /// Its number.
-    fn start_batch(&mut self) -> u32 {
+    fn start_batch(&mut self, flies: bool) -> u32 {
         if self.used == self.batches.len() {
             self.batches.push(Batch::default());
         }
         self.batches[self.used].clear();
+        self.batches[self.used].flies = flies;
         self.used += 1;
         self.used as u32 - 1
     }

@@ -44,7 +44,7 @@ impl World {
         let solver = &self.options.solver;
         let (substeps, relax_sweeps, solver_substeps) = (batch.substeps, solver.relax_sweeps, solver.substeps);
         // One substep has the sweeps of all.
-        let of_joints = if batch.joints.is_empty() { 1 } else { solver.jointed.sweeps };
+        let of_joints = if batch.joints.is_empty() || batch.flies { 1 } else { solver.jointed.sweeps };
         let sweeps = solver.sweeps * of_joints * (solver.substeps / substeps).max(1);
         let h = dt / substeps as f32;
         let scale = self.options.length_scale;

@@ -174,17 +174,19 @@ impl World {
     fn assign_batches(&mut self, wide: &mut Wide) {
         wide.batch_of_island.clear();
         wide.batch_of_island.resize(wide.parents.len(), NONE);
-        // Islands with joints take substeps of their own.
-        let mut open = [(NONE, usize::MAX); 2];
+        // Islands with joints take sweeps of their own, and fewer where they fly.
+        let mut open = [(NONE, usize::MAX); 3];
         for island in 0..wide.parents.len() {
             let root = root(&mut wide.parents, island as u32) as usize;
             if wide.unfit[root] {
                 continue;
             }
             if root == island {
-                let (batch, size) = &mut open[usize::from(wide.joint_counts[root] > 0)];
+                let has_joints = wide.joint_counts[root] > 0;
+                let flies = has_joints && wide.sizes[root] == 0 && !wide.loops[root] && !wide.hangs[root];
+                let (batch, size) = &mut open[usize::from(has_joints) + usize::from(flies)];
                 if *size >= BATCH {
-                    (*batch, *size) = (wide.start_batch(), 0);
+                    (*batch, *size) = (wide.start_batch(flies), 0);
                 }
                 *size += wide.sizes[root] as usize + 1;
                 wide.batch_of_island[root] = *batch;
