@@ -98,8 +98,7 @@ pub struct BallJoint {
 
 impl Scene {
     /// Half extents of a box that stands for the half-space, its top at y = 0: it reaches 50 m beyond all bodies.
-    // A build without engines that need it has no use for it.
-    #[allow(dead_code)]
+    #[allow(dead_code, reason = "a build without engines that need it has no use for it")]
     pub fn ground_box(&self) -> [f32; 3] {
         let reach = self.bodies.iter().flat_map(|b| [b.position[0].abs(), b.position[2].abs()]).fold(0.0, f32::max);
         [reach + 50.0, 5.0, reach + 50.0]

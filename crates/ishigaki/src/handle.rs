@@ -4,7 +4,7 @@
 //! been used again. Iteration is by slot index: an order that depends only on the history of calls.
 
 use crate::error::{Error, Result};
-use crate::threads::{Cut, Workers};
+use crate::threads::Cut;
 use serde::{Deserialize, Serialize};
 
 macro_rules! handle {
@@ -127,18 +127,6 @@ impl<T> Arena<T> {
     /// Objects in slot order.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
         self.slots.iter_mut().enumerate().filter_map(|(i, s)| s.value.as_mut().map(|v| (i as u32, v)))
-    }
-
-    /// Calls `work` for each object and its slot, on several threads if there are.
-    pub fn for_each(&mut self, workers: &Workers, work: impl Fn(u32, &mut T) + Sync + Send)
-    where
-        T: Send,
-    {
-        workers.for_each_of_many(&mut self.slots, |index, slot| {
-            if let Some(value) = &mut slot.value {
-                work(index as u32, value);
-            }
-        });
     }
 
     /// All slots, to be cut in parts.

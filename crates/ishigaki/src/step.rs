@@ -1,7 +1,6 @@
 //! One step: the ten stages in their order, and nothing else. The stages live in the folders.
 
 use crate::collision::link::Link;
-use crate::collision::manifold::Contact;
 use crate::collision::pairs::Moves;
 use crate::collision::proxy::Proxies;
 use crate::collision::update::Part;
@@ -27,7 +26,6 @@ pub(crate) struct Scratch {
     pub gone_pairs: Vec<(u32, u32, bool)>,
     pub proxies: Proxies,
     pub narrow: Vec<Part>,
-    pub new_contacts: Vec<Contact>,
     pub links: Vec<Link>,
     pub contact_sums: Vec<ContactSums>,
     pub parents: Vec<u32>,

@@ -29,17 +29,6 @@ impl Workers {
         items.iter_mut().for_each(work);
     }
 
-    /// Calls `work` for each item and its index. Neighbors stay together: items are small.
-    pub fn for_each_of_many<T: Send>(&self, items: &mut [T], work: impl Fn(usize, &mut T) + Sync + Send) {
-        #[cfg(feature = "threads")]
-        if let Some(pool) = self.pool.as_ref().filter(|_| items.len() > FEW) {
-            use rayon::prelude::*;
-            pool.install(|| items.par_iter_mut().enumerate().with_min_len(FEW).for_each(|(i, item)| work(i, item)));
-            return;
-        }
-        items.iter_mut().enumerate().for_each(|(i, item)| work(i, item));
-    }
-
     /// How many parts to cut `items` into: some for each thread, since parts take unequal times; one if there are few.
     pub fn parts(&self, items: usize) -> usize {
         #[cfg(feature = "threads")]

@@ -7,7 +7,6 @@ use crate::body::BodyState;
 use crate::collision::manifold::Contact;
 use crate::math::Vec3;
 use crate::options::WorldOptions;
-use crate::world::World;
 
 /// A contact in this step.
 #[derive(Clone, Copy, Debug)]
@@ -16,8 +15,8 @@ pub(crate) struct Link {
     pub bodies: [u32; 2],
     /// How many manifolds it has.
     pub manifolds: u32,
-    /// Overlap is all that is asked of it.
-    pub sensor: bool,
+    /// It has rows: it is no sensor.
+    pub meets: bool,
     /// Its bodies may touch in this step: they are of one island.
     pub unites: bool,
     /// Its surfaces touch: one body may stand on the other.
@@ -74,7 +73,7 @@ impl Link {
         Self {
             bodies: [contact.body_a, contact.body_b],
             manifolds: contact.manifolds.len() as u32,
-            sensor: contact.sensor,
+            meets,
             unites: meets && (contact.touching || judge.closes(contact, a, b)),
             bears: meets && contact.touching && reaches(judge.slop),
             asks_much: contact.rolling_friction > 0.0
@@ -84,17 +83,5 @@ impl Link {
             batch: Self::NONE,
             place: 0,
         }
-    }
-
-    /// Whether it has rows.
-    pub fn meets(&self) -> bool {
-        !self.sensor && self.manifolds > 0
-    }
-}
-
-impl World {
-    /// The links of all contacts.
-    pub(crate) fn links(&self) -> &[Link] {
-        &self.scratch.links
     }
 }

@@ -46,12 +46,11 @@ pub(crate) fn insert_pairs(pairs: &mut Vec<Pair>, new: &[(u32, u32)]) {
 /// Puts the sorted `new` contacts into the sorted `contacts`, and empties `new`.
 pub(crate) fn insert_contacts(contacts: &mut Vec<Contact>, new: &mut Vec<Contact>) {
     let mut rest = contacts.len();
-    // Contacts are large: as above they move at most once, changing places with the new ones at the end.
-    contacts.append(new);
-    if rest == 0 || contacts.get(rest).is_none_or(|first| contacts[rest - 1].key() < first.key()) {
+    if contacts.last().zip(new.first()).is_none_or(|(last, first)| last.key() < first.key()) {
+        append(contacts, new);
         return;
     }
-    new.extend(contacts.drain(rest..));
+    // Contacts are large: as above they move at most once, changing places with the new ones at the end.
     contacts.extend((0..new.len()).map(|_| Contact::new((0, 0), (0, 0), false)));
     while let Some(contact) = new.pop() {
         let key = contact.key();
@@ -61,6 +60,15 @@ pub(crate) fn insert_contacts(contacts: &mut Vec<Contact>, new: &mut Vec<Contact
         }
         let place = rest + new.len();
         contacts[place] = contact;
+    }
+}
+
+/// Puts `more` at the end of `list`, and leaves it empty; without a second copy where there is nothing before it.
+pub(crate) fn append<T>(list: &mut Vec<T>, more: &mut Vec<T>) {
+    if list.is_empty() {
+        std::mem::swap(list, more);
+    } else {
+        list.append(more);
     }
 }
 

@@ -5,7 +5,7 @@ use crate::collision::continuous;
 use crate::collision::link::{Judge, Link};
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
-use crate::collision::pair::{Pair, insert_contacts};
+use crate::collision::pair::{Pair, append, insert_contacts};
 use crate::collision::pairs::motion_in_step;
 use crate::collision::proxy::Proxies;
 use crate::constraint::contact::share_evenly;
@@ -52,11 +52,11 @@ impl World {
         if parts.iter().any(|part| part.emptied) {
             contacts.retain(|contact| !contact.manifolds.is_empty());
         }
+        let mut new_contacts = Vec::new();
         self.scratch.links.clear();
-        let mut new_contacts = std::mem::take(&mut self.scratch.new_contacts);
         for part in parts {
-            new_contacts.append(&mut part.new_contacts);
-            self.scratch.links.append(&mut part.links);
+            append(&mut new_contacts, &mut part.new_contacts);
+            append(&mut self.scratch.links, &mut part.links);
             self.report.frozen += part.frozen;
             self.report.narrow_phase_calls += part.calls;
             self.report.ids_matched += part.ids_matched;
@@ -64,7 +64,6 @@ impl World {
             self.tell_touches(&mut part.touches);
         }
         insert_contacts(contacts, &mut new_contacts);
-        self.scratch.new_contacts = new_contacts;
     }
 
     /// Touching that began or ended: bodies feel it, and it is an event.

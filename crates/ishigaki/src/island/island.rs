@@ -81,7 +81,8 @@ impl World {
     fn measure_heights(&mut self) {
         let mut supports = std::mem::take(&mut self.scratch.supports);
         supports.clear();
-        supports.extend(self.links().iter().filter(|link| link.bears).map(|link| (link.bodies[0], link.bodies[1])));
+        supports
+            .extend(self.scratch.links.iter().filter(|link| link.bears).map(|link| (link.bodies[0], link.bodies[1])));
         if self.options.solver.height.through_joints {
             supports.extend(self.joints.iter().map(|(_, j)| (j.definition.body_a.index, j.definition.body_b.index)));
         }

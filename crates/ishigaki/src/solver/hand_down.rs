@@ -24,8 +24,6 @@ const EPSILON: f32 = 1e-4;
 /// Tries with fewer points.
 const TRIES: usize = 3;
 
-/// Less than this part of Σλ g h is left to sweeps.
-pub(crate) const ENOUGH: f32 = 3e-8;
 /// What takes a smaller part of the unrest is not tried again for `PAUSE` steps: sweeps take more for the same work.
 const WORTH: f32 = 0.08;
 pub(crate) const PAUSE: u64 = 4;

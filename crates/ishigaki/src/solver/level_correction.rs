@@ -123,6 +123,8 @@ const ROUNDS: usize = 6;
 /// A correction that takes less than this part of Σλ g h was the last, and below `CALM` none is made.
 const ENOUGH: f32 = 1e-7;
 pub(crate) const CALM: f32 = 1e-9;
+/// Below this part nothing is handed down, and two sweeps keep at rest what rests.
+pub(crate) const QUIET: f32 = 3e-8;
 /// A correction must take this part of what sweeps for the same work would take; else it rests for `PAUSE` steps.
 const WORTH: f32 = 0.2;
 const HOPELESS: f32 = 0.03;
@@ -187,7 +189,7 @@ impl World {
             mark_calm(plan, all);
             return true;
         }
-        if unrest <= hand_down::ENOUGH * scale {
+        if unrest <= QUIET * scale {
             return true;
         }
         let (gain, multiply_adds) = self.hand_down_rows(plan, all.iter().map(|m| m.manifold));

@@ -73,6 +73,13 @@ pub struct IslandState {
     pub unrest: f32,
 }
 
+impl IslandState {
+    /// Whether its unrest is below a part of Σλ g h.
+    pub fn is_below(&self, part: f32, g: f32, h: f32) -> bool {
+        self.unrest <= part * self.load * g * h
+    }
+}
+
 /// What solving a batch leaves beside motion and impulses.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {

@@ -89,6 +89,11 @@ impl Default for Wide {
 }
 
 impl Wide {
+    /// Whether joints are all there is of an island, and close no loop.
+    fn is_tree(&self, island: usize) -> bool {
+        self.joint_counts[island] > 0 && self.sizes[island] == 0 && !self.loops[island]
+    }
+
     /// Its number.
     fn start_batch(&mut self, flies: bool) -> u32 {
         if self.used == self.batches.len() {

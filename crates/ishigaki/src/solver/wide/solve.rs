@@ -4,7 +4,7 @@
 //! step as one substep: its impulses are known, and what is left of its motion is taken out once, not once a substep.
 
 use crate::solver::hand_down::{self, HandDown};
-use crate::solver::level_correction;
+use crate::solver::level_correction::{self, CALM, QUIET};
 use crate::solver::manifold_block;
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::Plan;
@@ -20,9 +20,6 @@ use crate::world::World;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use std::sync::{Mutex, PoisonError};
-
-/// What rests, and whose unrest is below this part of Σλ g h, is kept so by two sweeps.
-const QUIET: f32 = 3e-8;
 
 impl World {
     /// Solves all batches, on several threads if the world has them.
@@ -144,9 +141,8 @@ impl World {
         wanted.clear();
         let mut all_quiet = true;
         for island in &batch.islands {
-            let is_calm = island.unrest <= level_correction::CALM * island.load * g * pass.h;
-            all_quiet &= island.unrest <= QUIET * island.load * g * pass.h;
-            wanted.push(!is_calm && island.levels > 1 && !self.pauses(batch, island));
+            all_quiet &= island.is_below(QUIET, g, pass.h);
+            wanted.push(!island.is_below(CALM, g, pass.h) && island.levels > 1 && !self.pauses(batch, island));
         }
         if self.options.solver.hand_down.enabled && self.corrects_levels() {
             self.hand_down_dear(batch, &mut aid.hand_down, &mut wanted, pass);
@@ -168,7 +164,7 @@ impl World {
                 continue;
             }
             *is_wanted = false;
-            if island.unrest <= hand_down::ENOUGH * island.load * g * pass.h {
+            if island.is_below(QUIET, g, pass.h) {
                 continue;
             }
             let gain = self.hand_down(batch, work, index as u32);

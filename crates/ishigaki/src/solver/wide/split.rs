@@ -98,7 +98,7 @@ impl World {
                 wide.unfit[body.island as usize] = true;
             }
         }
-        for link in self.links().iter().filter(|link| link.meets()) {
+        for link in self.scratch.links.iter().filter(|link| link.meets) {
             let [a, b] = link.bodies.map(|slot| self.bodies.at(slot));
             let island = match (a.is_active(), b.is_active()) {
                 (true, true) => unite(&mut wide.parents, a.island, b.island),
@@ -126,10 +126,9 @@ impl World {
         }
         if self.options.solver.joint_tree.enabled {
             for island in 0..islands {
-                let is_tree = wide.joint_counts[island] > 0 && wide.sizes[island] == 0 && !wide.loops[island];
                 let [least, greatest] = wide.inverse_masses[island];
                 let is_easy = wide.joint_counts[island] <= SMALL_TREE && greatest <= EVEN_MASSES * least;
-                wide.unfit[island] |= is_tree && (wide.hangs[island] || !is_easy);
+                wide.unfit[island] |= wide.is_tree(island) && (wide.hangs[island] || !is_easy);
             }
         }
     }
@@ -183,7 +182,7 @@ impl World {
             }
             if root == island {
                 let has_joints = wide.joint_counts[root] > 0;
-                let flies = has_joints && wide.sizes[root] == 0 && !wide.loops[root] && !wide.hangs[root];
+                let flies = wide.is_tree(root) && !wide.hangs[root];
                 let (batch, size) = &mut open[usize::from(has_joints) + usize::from(flies)];
                 if *size >= BATCH {
                     (*batch, *size) = (wide.start_batch(flies), 0);
@@ -222,7 +221,7 @@ impl World {
     }
 
     fn fill_batches(&mut self, wide: &mut Wide, dt: f32) {
-        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets()) {
+        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets) {
             let Some(&slot) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
             let number = wide.batch_of[slot as usize];
             let batch = &mut wide.batches[number as usize];

@@ -33,10 +33,13 @@ impl World {
         }
         let batches = &wide.batches[..wide.used];
         if wide.used > 0 {
-            self.bodies.for_each(&self.workers, |slot, body| {
-                let (batch, record) = (wide.batch_of[slot as usize], wide.index_of[slot as usize]);
-                if let Some(batch) = batches.get(batch as usize) {
-                    batch.movers.store(record as usize - 1, body);
+            let mut no_outputs = vec![(); self.workers.parts(self.bodies.slot_count())];
+            self.workers.in_parts(self.bodies.all(), &mut no_outputs, |bodies, ()| {
+                for (slot, body) in bodies.objects() {
+                    let (batch, record) = (wide.batch_of[slot as usize], wide.index_of[slot as usize]);
+                    if let Some(batch) = batches.get(batch as usize) {
+                        batch.movers.store(record as usize - 1, body);
+                    }
                 }
             });
         }
@@ -58,7 +61,7 @@ impl World {
 
 impl ContactSums {
     fn add(&mut self, contact: &mut Contact, link: &Link) {
-        if !link.meets() {
+        if !link.meets {
             return;
         }
         self.contacts += 1;
