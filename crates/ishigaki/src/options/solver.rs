@@ -113,8 +113,8 @@ impl SolverOptions {
 }
 
 /// What the solver does more, or less, while joints are at work. Joints that are solved one by one, in turn with contacts,
-/// open at impacts and at ends of ranges at the few sweeps that stacks stand at; what touches nothing is solved almost
-/// exactly by its tree.
+/// open at impacts and at ends of ranges at the few sweeps that stacks stand at; what hangs and touches nothing is solved
+/// almost exactly by its tree.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -124,7 +124,7 @@ pub struct Jointed {
     pub substeps: u32,
     /// This many times `sweeps`, where bodies of ball joints do.
     pub sweeps: u32,
-    /// Chains and trees that touch nothing: `substeps` divided by this, one at least.
+    /// Chains and trees that are solved at once and touch nothing: `substeps` divided by this, one at least.
     pub free_divisor: u32,
 }
 
@@ -243,7 +243,8 @@ impl Default for ManifoldBlock {
     }
 }
 
-/// The equality rows of chains and trees of joints are solved at once, by a sparse direct solver.
+/// The equality rows of chains and trees of joints are solved at once, by a sparse direct solver; those of small trees
+/// that fly are left to sweeps, which find the little that is between them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
