@@ -16,6 +16,9 @@ use crate::world::World;
 const SHORTEST_STEP: f32 = 1e-9;
 const LONGEST_STEP: f32 = 1e6;
 
+/// Bodies that one thread moves sooner than others wake.
+const FEW: usize = 200;
+
 /// Arrays that are used again in each step, so that a settled world allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
@@ -52,6 +55,12 @@ impl World {
     /// # Ok::<(), ishigaki::Error>(())
     /// ```
     pub fn step(&mut self, dt: f32) -> StepReport {
+        if self.bodies.len() < FEW {
+            let workers = std::mem::take(&mut self.workers);
+            let report = self.step_with(dt, &mut StepContext::default());
+            self.workers = workers;
+            return report;
+        }
         let workers = self.workers.clone();
         workers.inside(|| self.step_with(dt, &mut StepContext::default()))
     }

@@ -9,11 +9,15 @@ pub(crate) struct Workers {
 }
 
 impl Workers {
-    /// Calls `work` on one of the threads, which the others then help: they need not be called for each part of it.
+    /// Calls `work` on one of the threads, while the others stay awake to help: a step has many short parts, and to wake a
+    /// thread takes longer than most of them.
     pub fn inside<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         #[cfg(feature = "threads")]
         if let Some(pool) = &self.pool {
-            return pool.install(work);
+            return pool.install(|| {
+                let _awake = Awake::keep(pool);
+                work()
+            });
         }
         work()
     }
@@ -27,6 +31,15 @@ impl Workers {
             return;
         }
         items.iter_mut().for_each(work);
+    }
+
+    /// How many threads there are, the caller's among them.
+    pub fn count(&self) -> usize {
+        #[cfg(feature = "threads")]
+        if let Some(pool) = &self.pool {
+            return pool.current_num_threads();
+        }
+        1
     }
 
     /// How many parts to cut `items` into: some for each thread, since parts take unequal times; one if there are few.
@@ -48,6 +61,52 @@ impl Workers {
         }
         halve(whole, outputs, &work);
     }
+}
+
+/// While it lives, the other threads of the pool look for work without pause.
+#[cfg(feature = "threads")]
+struct Awake(std::sync::Arc<std::sync::atomic::AtomicBool>);
+
+/// A thread that found no work so often lets others of the machine go first.
+#[cfg(feature = "threads")]
+const PATIENCE: u32 = 200;
+
+#[cfg(feature = "threads")]
+impl Awake {
+    /// To be called on a thread of the pool, which goes on at once.
+    fn keep(pool: &rayon::ThreadPool) -> Self {
+        use std::sync::atomic::Ordering;
+        let is_over = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
+        let (awake, caller) = (Self(is_over.clone()), rayon::current_thread_index());
+        pool.spawn_broadcast(move |context| {
+            let mut idle = 0;
+            while Some(context.index()) != caller && !is_over.load(Ordering::Relaxed) {
+                if pool_has_work() {
+                    idle = 0;
+                } else if idle < PATIENCE {
+                    idle += 1;
+                    std::hint::spin_loop();
+                } else {
+                    idle = 0;
+                    std::thread::yield_now();
+                }
+            }
+        });
+        awake
+    }
+}
+
+#[cfg(feature = "threads")]
+impl Drop for Awake {
+    fn drop(&mut self) {
+        self.0.store(true, std::sync::atomic::Ordering::Relaxed);
+    }
+}
+
+/// Does one piece of what the pool has to do, if there is any.
+#[cfg(feature = "threads")]
+fn pool_has_work() -> bool {
+    rayon::yield_now() == Some(rayon::Yield::Executed)
 }
 
 /// Fewer items than this are not worth a thread.

@@ -61,6 +61,52 @@ fn threads_do_not_change_a_bit() {
     }
 }
 
+/// Towers with heavy tops that are corrected, and a pyramid of boxes and bricks, some of which are turned: one batch, in as
+/// many domains as there are threads.
+#[test]
+fn a_large_island_is_the_same_on_any_number_of_threads() {
+    let hash = |threads: usize| {
+        let mut world = World::default();
+        world.set_threads(threads).unwrap();
+        world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
+        let cuboid = |half: Vec3, at: Vec3| Body::dynamic(Shape::cuboid(half.x, half.y, half.z)).at(at);
+        for tower in 0..8_u16 {
+            for i in 0..12_u16 {
+                let density = if i == 11 { 50_000.0 } else { 1000.0 };
+                let at = Vec3::new(3.0 * f32::from(tower), 0.5 + f32::from(i), -30.0);
+                world.add_body(cuboid(Vec3::splat(0.5), at).density(density)).unwrap();
+            }
+        }
+        let mut turned = Vec::new();
+        for level in 0..42_u16 {
+            for i in 0..42 - level {
+                let at =
+                    Vec3::new(1.05 * f32::from(i) + 0.525 * f32::from(level), 0.505 + 1.01 * f32::from(level), 0.0);
+                let depth = if i % 3 == 0 { 0.7 } else { 0.5 };
+                let body = world.add_body(cuboid(Vec3::new(0.5, 0.5, depth), at)).unwrap();
+                if i % 7 == 3 {
+                    turned.push(body);
+                }
+            }
+        }
+        let ball = Body::dynamic(Shape::ball(1.0)).at(Vec3::new(22.0, 6.0, 8.0)).velocity(Vec3::new(0.0, 0.0, -15.0));
+        world.add_body(ball).unwrap();
+        let mut work = 0;
+        for _ in 0..40 {
+            for &body in &turned {
+                world.body_mut(body).unwrap().apply_torque(Vec3::Y * 100.0).unwrap();
+            }
+            work += world.step(DT).work;
+            assert_eq!(world.report().wide_rows, world.report().rows);
+        }
+        (world.state_hash(), work)
+    };
+    let alone = hash(1);
+    for threads in [2, 3, 4, 16] {
+        assert!(hash(threads) == alone, "{threads} threads");
+    }
+}
+
 #[test]
 fn hooks_are_called_in_the_order_of_pairs() {
     struct Log(Vec<(ShapeId, ShapeId)>);

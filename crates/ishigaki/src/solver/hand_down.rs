@@ -16,7 +16,7 @@ use crate::body::NO_HEIGHT;
 use crate::collision::manifold::Manifold;
 use crate::math::{Mat3, Vec3, skew, tangents};
 use crate::solver::plan::Plan;
-use crate::solver::table::SolverBody;
+use crate::solver::table::{Row, SolverBody};
 use crate::world::World;
 
 /// Added to GGᵀ in parts of its diagonal: what supports cannot bear is left, not divided by nothing.
@@ -65,98 +65,145 @@ pub struct Point {
 }
 
 /// A manifold between a body and one that stands lower.
-#[derive(Clone, Copy, Debug)]
-pub struct Support {
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Stand {
     /// Index of the body that stands on it.
     pub upper: u32,
     /// Index of the body that bears; 0 for the ground.
     pub lower: u32,
+    /// Which side of the manifold the upper body is.
+    pub side: usize,
     /// Height of the upper body, hops.
     pub height: u32,
+    /// By which upper bodies of one height are sorted.
+    pub rank: u32,
     /// What the caller knows it by.
     pub name: u32,
+}
+
+impl Stand {
+    /// `None` where neither body stands on the other.
+    pub(crate) fn new(name: u32, bodies: [u32; 2], heights: [u32; 2], ranks: [u32; 2]) -> Option<Self> {
+        if heights[0] == heights[1] || heights.contains(&NO_HEIGHT) {
+            return None;
+        }
+        let side = usize::from(heights[1] > heights[0]);
+        let (upper, lower) = (bodies[side], bodies[1 - side]);
+        Some(Self { upper, lower, side, height: heights[side], rank: ranks[side], name })
+    }
+}
+
+/// What a body stands on, as the solver has it at the moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Support {
     /// Columns: normal toward the upper body, two tangents.
     pub axes: Mat3,
     /// Coulomb's μ.
     pub friction: f32,
     /// How many points.
-    pub count: u32,
+    pub count: usize,
     /// The first `count` are of it.
-    pub points: [Point; 4],
+    pub points: [Point; POINTS],
 }
 
+/// Points of a manifold, at most.
+const POINTS: usize = 4;
+
 impl Support {
-    /// A manifold of two bodies, with no impulses yet and all points active; `None` where neither stands on the other.
-    pub(crate) fn new(
-        name: u32,
-        manifold: &Manifold,
-        bodies: [u32; 2],
-        heights: [u32; 2],
-        friction: f32,
-    ) -> Option<Self> {
-        if heights[0] == heights[1] || heights.contains(&NO_HEIGHT) {
-            return None;
-        }
-        let upper = usize::from(heights[1] > heights[0]);
+    /// A manifold whose upper body is on this side, with no impulses yet and all points active.
+    pub(crate) fn new(manifold: &Manifold, side: usize, friction: f32) -> Self {
         // Impulses are those on A.
-        let sign = if upper == 0 { 1.0 } else { -1.0 };
+        let sign = if side == 0 { 1.0 } else { -1.0 };
         let (t1, t2) = tangents(manifold.normal);
-        let mut points = [Point::default(); 4];
+        let mut points = [Point::default(); POINTS];
         for (to, from) in points.iter_mut().zip(&manifold.points) {
             let arms = [from.arm_a, from.arm_b];
-            (to.arm_upper, to.arm_lower, to.is_active) = (arms[upper], arms[1 - upper], true);
+            (to.arm_upper, to.arm_lower, to.is_active) = (arms[side], arms[1 - side], true);
         }
-        Some(Self {
-            upper: bodies[upper],
-            lower: bodies[1 - upper],
-            height: heights[upper],
-            name,
-            axes: Mat3::from_cols(sign * manifold.normal, sign * t1, sign * t2),
-            friction,
-            count: manifold.points.len() as u32,
-            points,
-        })
+        let axes = Mat3::from_cols(sign * manifold.normal, sign * t1, sign * t2);
+        Self { axes, friction, count: manifold.points.len(), points }
     }
 }
 
 /// Arrays that are used again.
 #[derive(Clone, Debug, Default)]
 pub struct HandDown {
-    /// All manifolds between bodies of different heights; sorted from the top down by [`Self::solve`].
-    pub supports: Vec<Support>,
+    /// All manifolds between bodies of different heights, in the order of their names; [`Self::solve`] sorts them from
+    /// the top down.
+    pub stands: Vec<Stand>,
+    /// By stand, once they are sorted: what hand-down adds to normal and tangents of each point, N·s.
+    pub changes: Vec<[Vec3; POINTS]>,
     /// By body: what it is to be rid of, −p.
     pub needs: Vec<Wrench>,
     /// By body: what all changes together push it with.
     pub pushes: Vec<Wrench>,
+    sorted: Vec<Stand>,
+    uppers: Vec<(std::cmp::Reverse<u32>, u32, u32)>,
+    places: Vec<u32>,
+    standing: Vec<Support>,
 }
 
 impl HandDown {
     /// Forgets all; makes room for `bodies` bodies, the ground among them.
     pub fn clear(&mut self, bodies: usize) {
-        self.supports.clear();
+        self.stands.clear();
         for wrenches in [&mut self.needs, &mut self.pushes] {
             wrenches.clear();
             wrenches.resize(bodies, Wrench::default());
         }
     }
 
-    /// Fills in `change` of all points and `pushes`; multiply-adds of that.
-    pub fn solve(&mut self) -> u64 {
-        self.supports.sort_unstable_by_key(|s| (std::cmp::Reverse(s.height), s.upper, s.name));
+    /// Fills in `changes` and `pushes`; multiply-adds of that. `support` looks a stand up.
+    pub fn solve(&mut self, support: impl Fn(&Stand) -> Support) -> u64 {
+        self.sort();
+        self.changes.clear();
         let mut work = 0;
-        for standing in self.supports.chunk_by_mut(|a, b| a.upper == b.upper) {
-            work += distribute(standing, self.needs[standing[0].upper as usize]);
-            for support in standing.iter() {
-                for point in &support.points[..support.count as usize] {
+        for stands in self.stands.chunk_by(|a, b| a.upper == b.upper) {
+            self.standing.clear();
+            self.standing.extend(stands.iter().map(&support));
+            let upper = stands[0].upper as usize;
+            work += distribute(&mut self.standing, self.needs[upper]);
+            for (stand, support) in stands.iter().zip(&self.standing) {
+                let lower = stand.lower as usize;
+                for point in &support.points[..support.count] {
                     let impulse = support.axes * point.change;
-                    self.pushes[support.upper as usize].add(impulse, point.arm_upper);
-                    self.pushes[support.lower as usize].add(-impulse, point.arm_lower);
+                    self.pushes[upper].add(impulse, point.arm_upper);
+                    self.pushes[lower].add(-impulse, point.arm_lower);
                     // The reaction is one more thing that the lower body is to be rid of.
-                    self.needs[support.lower as usize].add(impulse, point.arm_lower);
+                    self.needs[lower].add(impulse, point.arm_lower);
                 }
+                self.changes.push(support.points.map(|point| point.change));
             }
         }
         work
+    }
+
+    /// By height of the upper body from the top down, by body, by name: bodies are sorted, stands counted.
+    fn sort(&mut self) {
+        self.places.clear();
+        self.places.resize(self.needs.len(), 0);
+        self.uppers.clear();
+        for stand in &self.stands {
+            let count = &mut self.places[stand.upper as usize];
+            if *count == 0 {
+                self.uppers.push((std::cmp::Reverse(stand.height), stand.rank, stand.upper));
+            }
+            *count += 1;
+        }
+        self.uppers.sort_unstable();
+        let mut first = 0;
+        for &(_, _, upper) in &self.uppers {
+            let place = &mut self.places[upper as usize];
+            (*place, first) = (first, first + *place);
+        }
+        self.sorted.clear();
+        self.sorted.resize(self.stands.len(), Stand::default());
+        for stand in &self.stands {
+            let place = &mut self.places[stand.upper as usize];
+            self.sorted[*place as usize] = *stand;
+            *place += 1;
+        }
+        std::mem::swap(&mut self.stands, &mut self.sorted);
     }
 }
 
@@ -187,27 +234,25 @@ impl World {
         let mut work = std::mem::take(&mut plan.hand_down);
         work.clear(plan.bodies.len());
         for name in manifolds {
-            work.supports.extend(self.support_of_rows(plan, name));
+            let m = &plan.manifolds[name as usize];
+            let row = &plan.rows[m.first as usize];
+            let bodies = [row.body_a, row.body_b];
+            let heights = bodies.map(|b| plan.bodies[b as usize].height);
+            work.stands.extend(Stand::new(name, bodies, heights, bodies));
         }
-        for support in &work.supports {
-            for body in [support.upper, support.lower] {
-                let of = &plan.bodies[body as usize];
-                work.needs[body as usize] =
-                    Wrench { linear: -momentum(of), angular: -(of.inertia * of.angular_velocity) };
-            }
+        for (need, body) in work.needs.iter_mut().zip(&plan.bodies) {
+            *need = Wrench { linear: -momentum(body), angular: -(body.inertia * body.angular_velocity) };
         }
-        let multiply_adds = work.solve();
+        let multiply_adds = work.solve(|stand| self.support_of_rows(plan, stand));
         let mut search = Search::default();
         for (push, body) in work.pushes.iter().zip(&plan.bodies) {
             let (v, w) = moved(push, body);
             search.slope += f64::from(push.linear.dot(body.velocity) + push.angular.dot(body.angular_velocity));
             search.curvature += f64::from(push.linear.dot(v) + push.angular.dot(w));
         }
-        for support in &work.supports {
-            let m = &plan.manifolds[support.name as usize];
-            let normals = &plan.rows[(m.first + m.layout.first_normal()) as usize..];
-            for (point, row) in support.points[..support.count as usize].iter().zip(normals) {
-                search.slope += f64::from(row.bias * point.change.x);
+        for (stand, changes) in work.stands.iter().zip(&work.changes) {
+            for (change, row) in changes.iter().zip(normals_of(plan, stand)) {
+                search.slope += f64::from(row.bias * change.x);
             }
         }
         let (alpha, gain) = search.step();
@@ -218,23 +263,27 @@ impl World {
         (gain, multiply_adds)
     }
 
-    fn support_of_rows(&self, plan: &Plan, name: u32) -> Option<Support> {
-        let m = &plan.manifolds[name as usize];
+    fn support_of_rows(&self, plan: &Plan, stand: &Stand) -> Support {
+        let m = &plan.manifolds[stand.name as usize];
         let manifold = &self.contacts[m.contact as usize].manifolds[m.manifold as usize];
         let rows = &plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
-        let normals = &rows[m.layout.first_normal() as usize..];
-        let bodies = [normals[0].body_a, normals[0].body_b];
-        let heights = bodies.map(|b| plan.bodies[b as usize].height);
-        let mut support = Support::new(name, manifold, bodies, heights, m.surface.friction)?;
-        for (i, (point, row)) in support.points.iter_mut().zip(&normals[..manifold.points.len()]).enumerate() {
+        let mut support = Support::new(manifold, stand.side, m.surface.friction);
+        for (i, (point, row)) in support.points.iter_mut().zip(normals_of(plan, stand)).enumerate() {
             point.lambda.x = row.lambda;
             point.is_active = row.lambda > 0.0 || row.velocity(&plan.bodies) + row.bias <= 0.0;
             if m.layout.tangents > 0 {
                 (point.lambda.y, point.lambda.z) = (rows[2 * i].lambda, rows[2 * i + 1].lambda);
             }
         }
-        Some(support)
+        support
     }
+}
+
+/// Rows of the points of a stand.
+fn normals_of<'a>(plan: &'a Plan, stand: &Stand) -> &'a [Row] {
+    let m = &plan.manifolds[stand.name as usize];
+    let first = (m.first + m.layout.first_normal()) as usize;
+    &plan.rows[first..first + m.layout.normals as usize]
 }
 
 /// m v, N·s; none along locked axes, and none of what forces do not move.
@@ -250,14 +299,14 @@ fn moved(push: &Wrench, body: &SolverBody) -> (Vec3, Vec3) {
 
 /// λ += αd, u += αM⁻¹Jᵀd.
 fn take(plan: &mut Plan, work: &HandDown, alpha: f32) {
-    for support in &work.supports {
-        let m = &plan.manifolds[support.name as usize];
+    for (stand, changes) in work.stands.iter().zip(&work.changes) {
+        let m = &plan.manifolds[stand.name as usize];
         let rows = &mut plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
-        for (i, point) in support.points[..support.count as usize].iter().enumerate() {
-            rows[m.layout.first_normal() as usize + i].lambda += alpha * point.change.x;
+        for (i, change) in changes[..m.layout.normals as usize].iter().enumerate() {
+            rows[m.layout.first_normal() as usize + i].lambda += alpha * change.x;
             if m.layout.tangents > 0 {
-                rows[2 * i].lambda += alpha * point.change.y;
-                rows[2 * i + 1].lambda += alpha * point.change.z;
+                rows[2 * i].lambda += alpha * change.y;
+                rows[2 * i + 1].lambda += alpha * change.z;
             }
         }
     }
@@ -281,7 +330,7 @@ fn distribute(standing: &mut [Support], need: Wrench) -> u64 {
         let mut rest = need;
         let mut gram = Gram::default();
         for support in standing.iter() {
-            for point in &support.points[..support.count as usize] {
+            for point in &support.points[..support.count] {
                 if point.is_active {
                     gram.add(point.arm_upper / size);
                 } else {
@@ -296,7 +345,7 @@ fn distribute(standing: &mut [Support], need: Wrench) -> u64 {
         }
     }
     for support in standing.iter_mut() {
-        for point in &mut support.points[..support.count as usize] {
+        for point in &mut support.points[..support.count] {
             hold_at_cone(point, support.friction);
         }
     }
@@ -304,7 +353,7 @@ fn distribute(standing: &mut [Support], need: Wrench) -> u64 {
 }
 
 fn arms(standing: &[Support]) -> impl Iterator<Item = Vec3> + '_ {
-    let points = standing.iter().flat_map(|s| &s.points[..s.count as usize]);
+    let points = standing.iter().flat_map(|s| &s.points[..s.count]);
     points.filter(|p| p.is_active).map(|p| p.arm_upper)
 }
 
@@ -313,7 +362,7 @@ fn release_pulled(standing: &mut [Support], impulse_at: impl Fn(Vec3) -> Vec3) -
     let mut any = false;
     for support in standing {
         let to_axes = support.axes.transpose();
-        for point in support.points[..support.count as usize].iter_mut().filter(|p| p.is_active) {
+        for point in support.points[..support.count].iter_mut().filter(|p| p.is_active) {
             point.change = to_axes * impulse_at(point.arm_upper);
             if point.lambda.x + point.change.x < 0.0 {
                 point.change = -point.lambda;

@@ -1,26 +1,23 @@
 //! Islands that are solved together while they are in the cache: bodies, blocks of manifolds, and their colors.
 //!
-//! Manifolds get the lowest color that none of their bodies has yet, in the order of contacts; eight of a color make
-//! a block, if they are of about as many points. Colors depend on islands and contacts alone, never on lanes or threads.
+//! A large batch is cut into domains; there manifolds get colors (`color.rs`), and eight of a color make a block.
 
 use crate::body::{BodyState, NO_HEIGHT};
 use crate::collision::feature_id::{Feature, FeatureId};
 use crate::collision::manifold::{Contact, ContactPoint, Manifold};
 use crate::handle::Arena;
 use crate::math::Vec3;
-use crate::options::{FrictionModel, SolverOptions, WorldOptions};
+use crate::options::{FrictionModel, WorldOptions};
 use crate::solver::penetration_recovery::Recovery;
-use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, prepare};
+use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size};
+use crate::solver::wide::domain::{Domain, Machine, Part, Sums};
 use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record, set};
-use crate::solver::wide::mover::Movers;
+use crate::solver::wide::mover::{Movers, NOBODY};
 use crate::solver::wide::moving;
 use crate::solver::{slop, weight_amplification};
 use crate::world::JointState;
 use fearless_simd::{Level, dispatch};
-
-/// Colors that are told apart; what finds none of them free gets a block of its own.
-const COLORS: usize = 64;
 
 /// A body that moves no faster than this part of what aggressive sleep calls rest is not about to go.
 const CALM_SPEED: f32 = 0.2;
@@ -47,7 +44,8 @@ pub struct Place {
     pub bodies: [u32; 2],
     /// Island, local to the batch.
     pub island: u32,
-    color: u32,
+    pub(super) color: u32,
+    pub(super) domain: u8,
     /// Points of its block, at most.
     pub size: Size,
     /// Block.
@@ -94,9 +92,9 @@ pub struct Outcome {
 /// Islands that are solved together.
 #[derive(Clone, Debug, Default)]
 pub struct Batch {
-    /// Bodies; their index here is one less than in the arrays of records, where 0 is the ground.
+    /// Bodies, and the ground before them; their index is that of their records.
     pub movers: Movers,
-    /// u' of the ground and of all movers.
+    /// u'.
     pub velocities: Vec<Record>,
     /// u' before the sweeps.
     pub before: Vec<Record>,
@@ -108,9 +106,15 @@ pub struct Batch {
     pub rows: u32,
     /// Substeps it takes: one where all bodies rest.
     pub substeps: u32,
+    /// Its parts, and last the seam between them.
+    pub domains: Vec<Domain>,
+    /// Manifolds that may go to several domains, about: none if there are joints.
+    pub divisible: u32,
     /// Manifolds in the order of contacts.
     pub places: Vec<Place>,
-    /// Blocks, color by color.
+    /// Indices of these, domain by domain.
+    pub manifolds: Vec<u32>,
+    /// Blocks, domain by domain, and there color by color.
     pub blocks: Vec<ContactBlock>,
     /// Of each block where masses are amplified; else one for all.
     pub scales: Vec<ScaleLanes>,
@@ -124,14 +128,18 @@ pub struct Batch {
     pub unrest: Vec<Lane>,
     /// Of the last solve.
     pub outcome: Outcome,
-    used_colors: Vec<u64>,
-    /// By color and size: first how many manifolds, then the first block.
-    counts_of: Vec<[u32; Size::ALL.len()]>,
-    /// I^−½ of the ground and of all movers: xx, xy, xz, 0, yy, yz, zz, 0.
+    /// I^−½: xx, xy, xz, 0, yy, yz, zz, 0.
     pub roots: Vec<Record>,
     /// I^½ as it was before bodies turned.
     pub old_roots: Vec<Record>,
-    counts: Vec<Lane>,
+    /// Points of each block and lane.
+    pub counts: Vec<Lane>,
+    pub(super) used_colors: Vec<u64>,
+    pub(super) sums: Vec<Sums>,
+    /// Of each block of bodies.
+    pub(super) domain_of_block: Vec<u8>,
+    pub(super) centers: Vec<(Vec3, u32)>,
+    pub(super) domain_of_body: Vec<u8>,
 }
 
 /// What lanes are filled from.
@@ -154,7 +162,7 @@ pub(crate) struct Source<'a> {
 impl Place {
     /// A manifold before it has a color.
     pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
-        Self { contact, manifold, bodies, island, color: 0, size: Size::Four, block: 0, lane: 0 }
+        Self { contact, manifold, bodies, island, color: 0, domain: 0, size: Size::Four, block: 0, lane: 0 }
     }
 }
 
@@ -165,27 +173,47 @@ impl Batch {
         self.places.clear();
         self.joints.clear();
         self.islands.clear();
+        self.divisible = 0;
     }
 
-    /// Colors, blocks, rows.
-    pub(crate) fn build(&mut self, level: Level, source: &Source<'_>) {
-        let rest = &source.options.rest.aggressive_sleep;
-        // What hangs in the air for a moment, at the top of its flight say, or begins to slide does not rest.
-        let rests = |slot: u32| {
-            let body = source.bodies.at(slot);
-            let speed = CALM_SPEED * rest.linear_speed * source.options.length_scale.sqrt();
-            body.rest_steps >= rest.steps && body.height != NO_HEIGHT && body.velocity.length_squared() <= speed * speed
-        };
-        let solver = &source.options.solver;
-        let full = solver.substeps;
-        let at_rest = rest.enabled && self.joints.is_empty() && self.movers.slots.iter().all(|&slot| rests(slot));
-        self.substeps = if at_rest { 1 } else { full };
+    /// Bodies, colors, blocks, rows.
+    pub(crate) fn build(&mut self, machine: Machine<'_>, source: &Source<'_>) {
+        let full = source.options.solver.substeps;
+        self.substeps = if self.rests(source) { 1 } else { full };
         let source = &Source { warm_scale: source.warm_scale * full as f32 / self.substeps as f32, ..*source };
         let h = source.dt / self.substeps as f32;
-        self.movers.fill(source.bodies, source.options.gravity);
-        self.joints.build(&self.movers, source.joints, h, source.warm_scale);
-        let joints = &self.joints;
-        self.movers.begin_step(h, |body| joints.has(body));
+        self.joints.arrange(self.movers.records());
+        self.make_records();
+        self.each(machine, |part| part.take_bodies(machine.level, source, h));
+        self.joints.fill(&self.movers, source.joints, h, source.warm_scale);
+        self.color(source.contacts);
+        let solver = &source.options.solver;
+        self.scales.clear();
+        let own_scales = if solver.weight_amplification.enabled { self.blocks.len() } else { 0 };
+        self.scales.resize(own_scales.max(1), ScaleLanes::ONE);
+        self.rows = self.each(machine, |part| part.fill(source)).into_iter().flatten().sum();
+        self.rows += self.seam().map_or(0, |mut seam| seam.fill(source));
+        if solver.weight_amplification.enabled {
+            self.amplify(source);
+        } else if solver.wide.seed && solver.warm_start.enabled && self.joints.is_empty() {
+            self.seed(source, h);
+        }
+        self.each_and_seam(machine, |part| part.prepare(machine.level));
+    }
+
+    /// Whether all bodies rest. What hangs in the air for a moment, at the top of its flight say, or begins to slide does
+    /// not.
+    fn rests(&self, source: &Source<'_>) -> bool {
+        let rest = &source.options.rest.aggressive_sleep;
+        let speed = CALM_SPEED * rest.linear_speed * source.options.length_scale.sqrt();
+        let rests = |(_, slot): (u32, u32)| {
+            let body = source.bodies.at(slot);
+            body.rest_steps >= rest.steps && body.height != NO_HEIGHT && body.velocity.length_squared() <= speed * speed
+        };
+        rest.enabled && self.joints.is_empty() && self.movers.bodies().all(rests)
+    }
+
+    fn make_records(&mut self) {
         for records in [
             &mut self.velocities,
             &mut self.before,
@@ -197,105 +225,54 @@ impl Batch {
             records.clear();
             records.resize(self.movers.records(), Record::default());
         }
-        let (blocks, roots) = (&mut self.movers.blocks, &mut self.roots);
-        dispatch!(level, simd => moving::weigh_all(simd, blocks, roots));
-        self.color(source.contacts);
-        self.fill(source);
-        let masses_are_true = !source.options.solver.weight_amplification.enabled;
-        let seeds = source.options.solver.wide.seed && source.options.solver.warm_start.enabled;
-        if seeds && masses_are_true && self.joints.is_empty() {
-            self.seed(source, h);
-        }
-        dispatch!(level, simd => {
-            for (k, block) in self.blocks.iter_mut().enumerate() {
-                let scale = &self.scales[k.min(self.scales.len() - 1)];
-                prepare(simd, block, scale, &self.roots, &self.counts[k]);
-            }
-        });
     }
 
-    /// Colors of the manifolds; blocks for each color and size.
-    fn color(&mut self, contacts: &[Contact]) {
-        self.used_colors.clear();
-        self.used_colors.resize(self.movers.records(), 0);
-        self.counts_of.clear();
-        self.counts_of.resize(COLORS, [0; Size::ALL.len()]);
-        for place in &mut self.places {
-            let taken = place.bodies.iter().filter(|&&b| b != 0).fold(0, |m, &b| m | self.used_colors[b as usize]);
-            let color = taken.trailing_ones() as usize;
-            if color < COLORS {
-                for &body in place.bodies.iter().filter(|&&b| b != 0) {
-                    self.used_colors[body as usize] |= 1 << color;
-                }
-                place.color = color as u32;
-            } else {
-                place.color = self.counts_of.len() as u32;
-                self.counts_of.push([0; Size::ALL.len()]);
-            }
-            let manifold = &contacts[place.contact as usize].manifolds[place.manifold as usize];
-            place.size = Size::of(manifold.points.len());
-            let count = &mut self.counts_of[place.color as usize][place.size as usize];
-            place.lane = *count;
-            *count += 1;
-        }
-        self.make_blocks();
-        for place in &mut self.places {
-            let index = place.lane;
-            place.block = self.counts_of[place.color as usize][place.size as usize] + index / LANES as u32;
-            place.lane = index % LANES as u32;
+    fn amplify(&mut self, source: &Source<'_>) {
+        let options = &source.options.solver.weight_amplification;
+        let height = |slot: u32| source.bodies.at(slot).height;
+        for place in &self.places {
+            let contact = &source.contacts[place.contact as usize];
+            let scale = weight_amplification::scale(options, height(contact.body_a), height(contact.body_b));
+            let (lanes, lane) = (&mut self.scales[place.block as usize], place.lane as usize);
+            (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
+            (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
         }
     }
+}
 
-    /// Blocks for what was counted. Full ones are written over as they are, lane by lane: only those with lanes that
-    /// nothing fills are emptied.
-    fn make_blocks(&mut self) {
-        let mut first = 0;
-        for of_color in &mut self.counts_of {
-            for (count, size) in of_color.iter_mut().zip(Size::ALL) {
-                let blocks = count.div_ceil(LANES as u32) as usize;
-                if self.blocks.len() < first + blocks {
-                    self.blocks.resize(first + blocks, ContactBlock::EMPTY);
-                    self.counts.resize(first + blocks, [0.0; LANES]);
-                }
-                for block in &mut self.blocks[first..first + blocks] {
-                    block.size = size;
-                }
-                if !count.is_multiple_of(LANES as u32) {
-                    let last = first + blocks - 1;
-                    self.blocks[last] = ContactBlock { size, ..ContactBlock::EMPTY };
-                    self.counts[last] = [0.0; LANES];
-                }
-                *count = first as u32;
-                first += blocks;
-            }
+impl Part<'_> {
+    /// States of the bodies, as they are in the world, and their inertias.
+    fn take_bodies(&mut self, level: Level, source: &Source<'_>, h: f32) {
+        let first = self.domain().records.start;
+        for (index, &slot) in self.slots.iter().enumerate().filter(|&(_, &slot)| slot != NOBODY) {
+            let is_jointed = self.joints.has((first + index) as u32);
+            let body = source.bodies.at(slot);
+            self.movers[index / LANES].fill(index % LANES, body, source.options.gravity, h, is_jointed);
         }
-        self.blocks.truncate(first);
-        self.counts.truncate(first);
+        let (movers, roots) = (&mut *self.movers, &mut *self.roots);
+        dispatch!(level, simd => moving::weigh_all(simd, movers, roots));
     }
 
-    fn fill(&mut self, source: &Source<'_>) {
+    /// Lanes of all manifolds; how many rows the reference would have for them.
+    fn fill(&mut self, source: &Source<'_>) -> u32 {
         let solver = &source.options.solver;
-        self.scales.clear();
-        let own_scales = if solver.weight_amplification.enabled { self.blocks.len() } else { 0 };
-        self.scales.resize(own_scales.max(1), ScaleLanes::ONE);
-        self.rows = 0;
         let scale = source.options.length_scale;
-        let recovery = Recovery::new(&solver.penetration_recovery, slop::depth(&solver.slop, scale), scale);
-        for p in 0..self.places.len() {
-            let place = self.places[p];
+        let deadband = Recovery::new(&solver.penetration_recovery, slop::depth(&solver.slop, scale), scale).deadband;
+        let first_block = self.domain().blocks.start as u32;
+        let mut rows = 0;
+        for &name in self.manifolds {
+            let place = self.places[name as usize];
             let contact = &source.contacts[place.contact as usize];
             let manifold = &contact.manifolds[place.manifold as usize];
-            let (block, lane) = (place.block as usize, place.lane as usize);
+            let (block, lane) = ((place.block - first_block) as usize, place.lane as usize);
             let friction = if solver.friction == FrictionModel::Off { 0.0 } else { contact.friction };
-            self.rows += manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 };
+            rows += manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 };
             self.fill_manifold(block, lane, friction, manifold, source.warm_scale);
             let bears = solver.warm_start.enabled && !place.bodies.iter().any(|&b| self.joints.has(b));
-            self.blocks[block].deadband[lane] = if bears { recovery.deadband } else { 0.0 };
+            self.blocks[block].deadband[lane] = if bears { deadband } else { 0.0 };
             self.fill_bodies(block, lane, place.bodies);
-            if solver.weight_amplification.enabled {
-                self.amplify(block, lane, contact, source.bodies, solver);
-            }
         }
+        rows
     }
 
     fn fill_manifold(&mut self, block: usize, lane: usize, friction: f32, manifold: &Manifold, warm_scale: f32) {
@@ -316,27 +293,12 @@ impl Batch {
     }
 
     fn fill_bodies(&mut self, block: usize, lane: usize, bodies: [u32; 2]) {
+        let bodies = bodies.map(|body| self.local(body));
         let rows = &mut self.blocks[block];
         (rows.body_a[lane], rows.body_b[lane]) = (bodies[0], bodies[1]);
         for (side, &body) in bodies.iter().enumerate() {
             let root = if side == 0 { &mut rows.root_a } else { &mut rows.root_b };
-            root[lane] = self.movers.inverse_root_mass(body);
+            root[lane] = self.movers[body as usize / LANES].inverse_root_mass[body as usize % LANES];
         }
-    }
-
-    fn amplify(
-        &mut self,
-        block: usize,
-        lane: usize,
-        contact: &Contact,
-        bodies: &Arena<BodyState>,
-        options: &SolverOptions,
-    ) {
-        let height = |slot: u32| bodies.at(slot).height;
-        let scale =
-            weight_amplification::scale(&options.weight_amplification, height(contact.body_a), height(contact.body_b));
-        let lanes = &mut self.scales[block];
-        (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
-        (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
     }
 }

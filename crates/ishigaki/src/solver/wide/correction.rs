@@ -19,7 +19,7 @@ impl World {
         for place in batch.places.iter().filter(|p| wanted[p.island as usize]) {
             for body in place.bodies.into_iter().filter(|&b| b != 0) {
                 let (v, w) = batch.movers.velocities(body, &batch.velocities[body as usize]);
-                let body = &mut aid.bodies[body as usize];
+                let body = &mut aid.bodies[batch.movers.rank(body) as usize];
                 (body.velocity, body.angular_velocity) = (v, w);
                 (body.forced_velocity, body.forced_spin) = (v, w);
             }
@@ -45,8 +45,8 @@ impl World {
         aid.blocks.clear();
         aid.bodies.clear();
         aid.bodies.resize(batch.movers.records(), SolverBody::GROUND);
-        for (&slot, body) in batch.movers.slots.iter().zip(&mut aid.bodies[1..]) {
-            let state = self.bodies.at(slot);
+        for (record, slot) in batch.movers.bodies() {
+            let (body, state) = (&mut aid.bodies[batch.movers.rank(record) as usize], self.bodies.at(slot));
             body.inverse_mass = state.inverse_mass_by_axis();
             body.inverse_inertia = state.inverse_inertia_world();
             body.inertia = state.inertia_world();
@@ -58,8 +58,9 @@ impl World {
             let manifold = &contact.manifolds[place.manifold as usize];
             let surface = Surface { friction: contact.friction, ..Surface::default() };
             let first = aid.rows.len();
+            let ranks = place.bodies.map(|body| batch.movers.rank(body));
             contact::rows(manifold, &surface, model, first as u32, |spec| {
-                let mut row = Row::of_contact(&spec, place.bodies[0], place.bodies[1]);
+                let mut row = Row::of_contact(&spec, ranks[0], ranks[1]);
                 row.refresh_mass(&aid.bodies);
                 aid.rows.push(row);
             });
@@ -87,7 +88,7 @@ impl World {
                 continue;
             }
             for body in place.bodies.map(|b| b as usize).into_iter().filter(|&b| b != 0) {
-                let now = &mut aid.bodies[body];
+                let now = &mut aid.bodies[batch.movers.rank(body as u32) as usize];
                 let change = (now.velocity - now.forced_velocity, now.angular_velocity - now.forced_spin);
                 (now.forced_velocity, now.forced_spin) = (now.velocity, now.angular_velocity);
                 let weighted = batch.movers.weighted(body as u32, change.0, change.1);

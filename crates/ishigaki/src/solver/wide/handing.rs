@@ -1,27 +1,24 @@
 //! Hand-down for an island of a batch.
 
 use crate::math::Vec3;
-use crate::solver::hand_down::{HandDown, Search, Support, Wrench};
-use crate::solver::wide::batch::{Batch, Place};
+use crate::solver::hand_down::{HandDown, Search, Stand, Support, Wrench};
+use crate::solver::wide::batch::Batch;
 use crate::world::World;
 
 impl World {
     /// Hands down the momentum of one island; the energy of the residual that it took away, J.
     pub(crate) fn hand_down(&self, batch: &mut Batch, work: &mut HandDown, island: u32) -> f32 {
         work.clear(batch.movers.records());
-        for p in 0..batch.places.len() {
-            let place = batch.places[p];
-            if place.island == island {
-                work.supports.extend(self.support(batch, p as u32, &place));
-            }
+        for (place, name) in batch.places.iter().zip(0..).filter(|(place, _)| place.island == island) {
+            let contact = &self.contacts[place.contact as usize];
+            let heights = [contact.body_a, contact.body_b].map(|slot| self.bodies.at(slot).height);
+            work.stands.extend(Stand::new(name, place.bodies, heights, place.bodies.map(|b| batch.movers.rank(b))));
         }
-        for support in &work.supports {
-            for body in [support.upper, support.lower].map(|b| b as usize).into_iter().filter(|&b| b != 0) {
-                let (p, l) = batch.movers.impetus(body as u32, &batch.velocities[body]);
-                work.needs[body] = Wrench { linear: -p, angular: -l };
-            }
+        for (body, _) in batch.movers.bodies() {
+            let (p, l) = batch.movers.impetus(body, &batch.velocities[body as usize]);
+            work.needs[body as usize] = Wrench { linear: -p, angular: -l };
         }
-        batch.outcome.work += work.solve();
+        batch.outcome.work += work.solve(|stand| self.support(batch, stand));
         let (alpha, gain) = search(batch, work).step();
         if gain > 0.0 {
             take(batch, work, alpha);
@@ -29,12 +26,11 @@ impl World {
         gain
     }
 
-    fn support(&self, batch: &Batch, name: u32, place: &Place) -> Option<Support> {
-        let contact = &self.contacts[place.contact as usize];
-        let heights = [contact.body_a, contact.body_b].map(|slot| self.bodies.at(slot).height);
-        let manifold = &contact.manifolds[place.manifold as usize];
+    fn support(&self, batch: &Batch, stand: &Stand) -> Support {
+        let place = &batch.places[stand.name as usize];
+        let manifold = &self.contacts[place.contact as usize].manifolds[place.manifold as usize];
         let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
-        let mut support = Support::new(name, manifold, place.bodies, heights, block.friction[lane])?;
+        let mut support = Support::new(manifold, stand.side, block.friction[lane]);
         let [(v_a, w_a), (v_b, w_b)] = place.bodies.map(|b| velocities(batch, b));
         for (i, (point, at)) in support.points.iter_mut().zip(&manifold.points).enumerate() {
             let (p, disk) = (&block.points[i], &block.disks[i]);
@@ -42,7 +38,7 @@ impl World {
             point.lambda = Vec3::new(p.lambda[lane], disk.lambda[0][lane], disk.lambda[1][lane]);
             point.is_active = p.lambda[lane] > 0.0 || approach + p.bias[lane] <= 0.0;
         }
-        Some(support)
+        support
     }
 }
 
@@ -56,19 +52,19 @@ fn velocities(batch: &Batch, body: u32) -> (Vec3, Vec3) {
 /// Along the changes: ½u'² + biasᵀλ.
 fn search(batch: &Batch, work: &HandDown) -> Search {
     let mut search = Search::default();
-    for body in 1..=batch.movers.slots.len() {
-        let (push, velocity) = (&work.pushes[body], &batch.velocities[body]);
-        let change = batch.movers.pushed(body as u32, push.linear, push.angular);
+    for (body, _) in batch.movers.bodies() {
+        let (push, velocity) = (&work.pushes[body as usize], &batch.velocities[body as usize]);
+        let change = batch.movers.pushed(body, push.linear, push.angular);
         for (u, d) in velocity.0.iter().zip(change.0) {
             search.slope += f64::from(u * d);
             search.curvature += f64::from(d * d);
         }
     }
-    for support in &work.supports {
-        let place = &batch.places[support.name as usize];
+    for (stand, changes) in work.stands.iter().zip(&work.changes) {
+        let place = &batch.places[stand.name as usize];
         let block = &batch.blocks[place.block as usize];
-        for (point, lanes) in support.points[..support.count as usize].iter().zip(&block.points) {
-            search.slope += f64::from(lanes.bias[place.lane as usize] * point.change.x);
+        for (change, lanes) in changes[..place.size.points()].iter().zip(&block.points) {
+            search.slope += f64::from(lanes.bias[place.lane as usize] * change.x);
         }
     }
     search
@@ -76,17 +72,17 @@ fn search(batch: &Batch, work: &HandDown) -> Search {
 
 /// λ += αd, u' += αM^−½Jᵀd.
 fn take(batch: &mut Batch, work: &HandDown, alpha: f32) {
-    for support in &work.supports {
-        let place = &batch.places[support.name as usize];
+    for (stand, changes) in work.stands.iter().zip(&work.changes) {
+        let place = &batch.places[stand.name as usize];
         let (block, lane) = (&mut batch.blocks[place.block as usize], place.lane as usize);
-        for (i, point) in support.points[..support.count as usize].iter().enumerate() {
+        for (i, change) in changes[..place.size.points()].iter().enumerate() {
             let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
-            p.lambda[lane] += alpha * point.change.x;
-            disk.lambda[0][lane] += alpha * point.change.y;
-            disk.lambda[1][lane] += alpha * point.change.z;
+            p.lambda[lane] += alpha * change.x;
+            disk.lambda[0][lane] += alpha * change.y;
+            disk.lambda[1][lane] += alpha * change.z;
         }
     }
-    for body in 1..=batch.movers.slots.len() {
+    for body in 1..batch.movers.records() {
         let push = &work.pushes[body];
         let change = batch.movers.pushed(body as u32, alpha * push.linear, alpha * push.angular);
         for (sum, part) in batch.velocities[body].0.iter_mut().zip(change.0) {

@@ -53,7 +53,7 @@ pub struct Joints {
     pub blocks: Vec<JointBlock>,
     /// Rows of the reference that they would be.
     pub rows: u32,
-    /// Centers and rotations: nothing, the movers, then what does not move.
+    /// Centers and rotations: the movers, then what does not move.
     poses: Vec<Record>,
     still: Vec<Record>,
     /// Angular velocity and free angular acceleration of the movers.
@@ -170,21 +170,25 @@ impl Joints {
         self.places.push(JointPlace { joint: slot, bodies, poses, wave: 0, kind, block: 0, lane: 0 });
     }
 
-    /// Waves and blocks, for substeps of `h` seconds; `scale` makes first impulses of stored ones.
-    pub(crate) fn build(&mut self, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
+    /// Waves and blocks, among so many records.
+    pub(crate) fn arrange(&mut self, records: usize) {
         if self.is_empty() {
             self.blocks.clear();
             return;
         }
-        self.make_waves(movers.records());
-        for records in [&mut self.poses, &mut self.spins, &mut self.pushes] {
-            records.clear();
-            records.resize(movers.records(), Record::default());
+        self.make_waves(records);
+        for records_of in [&mut self.poses, &mut self.spins, &mut self.pushes] {
+            records_of.clear();
+            records_of.resize(records, Record::default());
         }
         self.poses.append(&mut self.still);
         self.work = JointWork::default();
+    }
+
+    /// Lanes of all joints, for substeps of `h` seconds; `scale` makes first impulses of stored ones.
+    pub(crate) fn fill(&mut self, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
         for p in 0..self.places.len() {
-            self.fill(p, movers, joints, h, scale);
+            self.fill_joint(p, movers, joints, h, scale);
         }
     }
 
@@ -239,7 +243,7 @@ impl Joints {
         self.blocks.truncate(first);
     }
 
-    fn fill(&mut self, index: usize, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
+    fn fill_joint(&mut self, index: usize, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
         let place = self.places[index];
         let (lane, joint) = (place.lane as usize, joints.at(place.joint));
         let block = &mut self.blocks[place.block as usize];
@@ -387,7 +391,7 @@ impl Joints {
 /// Poses of the movers.
 #[inline(always)]
 fn follow<S: Simd>(simd: S, movers: &[MoverBlock], poses: &mut [Record]) {
-    for (block, poses) in movers.iter().zip(poses[1..].as_chunks_mut().0) {
+    for (block, poses) in movers.iter().zip(poses.as_chunks_mut().0) {
         moving::pose(simd, block, poses);
     }
 }
@@ -395,7 +399,7 @@ fn follow<S: Simd>(simd: S, movers: &[MoverBlock], poses: &mut [Record]) {
 /// How the movers turn.
 #[inline(always)]
 fn swing<S: Simd>(simd: S, movers: &[MoverBlock], spins: &mut [Record]) {
-    for (block, spins) in movers.iter().zip(spins[1..].as_chunks_mut().0) {
+    for (block, spins) in movers.iter().zip(spins.as_chunks_mut().0) {
         moving::swing(simd, block, spins);
     }
 }

@@ -6,8 +6,10 @@
 //! Option: `solver.wide`; held to the reference by `tests/wide.rs`.
 
 pub mod batch;
+mod color;
 pub mod contact_block;
 mod correction;
+pub(crate) mod domain;
 mod handing;
 pub mod joint_block;
 pub mod joints;
@@ -18,6 +20,7 @@ mod seed;
 mod solve;
 mod split;
 pub(crate) mod storing;
+mod sweeping;
 mod turning;
 
 use crate::solver::plan::Plan;

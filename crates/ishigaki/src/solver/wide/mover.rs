@@ -1,11 +1,10 @@
 //! Moving bodies of a batch, eight side by side: their states over the substeps, and what weights their velocities.
 //!
-//! The state is (v, L, pose), as in the reference; solver impulses change L by exactly I^½Δu'. A body's record is one
-//! after its index: the first is the ground's. Records fill whole blocks; lanes beyond the bodies hold nothing that moves.
+//! The state is (v, L, pose), as in the reference; solver impulses change L by exactly I^½Δu'. Arrays of records have one
+//! for each lane. The first lane is the ground's, which has no mass and never moves; nor do lanes that nobody fills.
 //! What is done to them in a substep is in `moving.rs`.
 
 use crate::body::BodyState;
-use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
 use crate::motion::{Spin, forces};
 use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, get, set};
@@ -90,7 +89,8 @@ impl MoverBlock {
         is_turned: false,
     };
 
-    fn fill(&mut self, lane: usize, body: &BodyState, gravity: Vec3) {
+    /// A lane for a body in substeps of `h` seconds; `is_jointed` if rows of joints turn with it.
+    pub(super) fn fill(&mut self, lane: usize, body: &BodyState, gravity: Vec3, h: f32, is_jointed: bool) {
         let spin = body.spin();
         let inverse_mass = body.inverse_mass;
         let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { 0.0 };
@@ -107,9 +107,16 @@ impl MoverBlock {
         set(&mut self.torque, lane, body.torque);
         (self.damping[0][lane], self.damping[1][lane]) = (body.linear_damping, body.angular_damping);
         self.is_turned |= body.torque != Vec3::ZERO || body.angular_damping != 0.0;
+        for (kept, damping) in self.kept.iter_mut().zip(&self.damping) {
+            kept[lane] = forces::damping_factor(damping[lane], h);
+        }
         if !spin.is_isotropic() {
             self.uneven[lane] = 1.0;
             self.has_uneven = true;
+            if is_jointed {
+                self.weighed[lane] = 1.0;
+                self.has_weighed = true;
+            }
         }
     }
 
@@ -160,66 +167,89 @@ fn parts(record: &Record) -> (Vec3, Vec3) {
 /// Bodies of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Movers {
-    /// Their slots in the world.
+    /// Their slots in the world, lane by lane; [`NOBODY`] for the ground and for lanes that nobody fills.
     pub slots: Vec<u32>,
     /// Eight by eight.
     pub blocks: Vec<MoverBlock>,
+    /// Records of the bodies in the order of their slots; nothing if they are in this order themselves.
+    sorted: Vec<u32>,
+    in_order: Vec<u32>,
+    /// Of each record: its place among those, from 1 on; nothing if it is the record itself.
+    ranks: Vec<u32>,
 }
 
+/// In the place of a slot: nothing that moves.
+pub const NOBODY: u32 = u32::MAX;
+
 impl Movers {
-    /// Forgets all.
+    /// Forgets all but the ground.
     pub fn clear(&mut self) {
         self.slots.clear();
+        self.slots.push(NOBODY);
         self.blocks.clear();
+        self.sorted.clear();
+        self.ranks.clear();
     }
 
-    /// Adds an active dynamic body without locked axes; the index of its record.
-    pub fn add(&mut self, slot: u32) -> u32 {
+    /// Adds an active dynamic body without locked axes.
+    pub fn add(&mut self, slot: u32) {
         self.slots.push(slot);
-        self.slots.len() as u32
     }
 
-    /// States of the bodies, as they are in the world.
-    pub(crate) fn fill(&mut self, bodies: &Arena<BodyState>, gravity: Vec3) {
+    /// Puts the bodies domain by domain, in whole blocks and with a ground of its own before each; the records of these.
+    pub fn arrange(&mut self, domain_of_body: &[u8], grounds: &mut [usize]) {
+        std::mem::swap(&mut self.slots, &mut self.in_order);
+        self.slots.clear();
+        self.sorted.resize(domain_of_body.len(), 0);
+        for (number, ground) in grounds.iter_mut().enumerate() {
+            self.slots.resize(self.slots.len().next_multiple_of(LANES), NOBODY);
+            *ground = self.slots.len();
+            self.slots.push(NOBODY);
+            for ((&slot, &domain), record) in self.in_order[1..].iter().zip(domain_of_body).zip(&mut self.sorted) {
+                if usize::from(domain) == number {
+                    *record = self.slots.len() as u32;
+                    self.slots.push(slot);
+                }
+            }
+        }
+        self.ranks.resize(self.slots.len(), 0);
+        for (&record, rank) in self.sorted.iter().zip(1..) {
+            self.ranks[record as usize] = rank;
+        }
+    }
+
+    /// Records and slots of the bodies, in the order of their slots.
+    pub fn bodies(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let of_record = |record: u32| (record, self.slots[record as usize]);
+        let is_sorted = self.sorted.is_empty();
+        let in_place = (0..self.slots.len() as u32).filter(move |_| is_sorted).map(of_record);
+        in_place.chain(self.sorted.iter().map(move |&record| of_record(record))).filter(|&(_, slot)| slot != NOBODY)
+    }
+
+    /// A number for the body with this record, from 1 on, that does not depend on domains; 0 for the ground.
+    pub fn rank(&self, record: u32) -> u32 {
+        self.ranks.get(record as usize).copied().unwrap_or(record)
+    }
+
+    /// Whole blocks of nothing that moves, one lane for each slot.
+    pub fn make_blocks(&mut self) {
+        self.slots.resize(self.slots.len().next_multiple_of(LANES), NOBODY);
         self.blocks.clear();
-        for eight in self.slots.chunks(LANES) {
-            let mut block = MoverBlock::EMPTY;
-            for (lane, &slot) in eight.iter().enumerate() {
-                block.fill(lane, bodies.at(slot), gravity);
-            }
-            self.blocks.push(block);
-        }
+        self.blocks.resize(self.slots.len() / LANES, MoverBlock::EMPTY);
     }
 
-    /// How many records there are: of the ground, and of whole blocks.
+    /// How many records there are: one for each lane.
     pub fn records(&self) -> usize {
-        1 + LANES * self.blocks.len()
-    }
-
-    /// Before substeps of `h` seconds: what damping leaves, and which bodies are weighed anew after motions.
-    pub fn begin_step(&mut self, h: f32, is_jointed: impl Fn(u32) -> bool) {
-        for (index, _) in self.slots.iter().enumerate() {
-            let (block, lane) = (&mut self.blocks[index / LANES], index % LANES);
-            for (kept, damping) in block.kept.iter_mut().zip(&block.damping) {
-                kept[lane] = forces::damping_factor(damping[lane], h);
-            }
-            if block.uneven[lane] > 0.0 && is_jointed(index as u32 + 1) {
-                block.weighed[lane] = 1.0;
-                block.has_weighed = true;
-            }
-        }
+        self.slots.len()
     }
 
     fn at(&self, record: u32) -> (&MoverBlock, usize) {
-        let index = record as usize - 1;
+        let index = record as usize;
         (&self.blocks[index / LANES], index % LANES)
     }
 
     /// m^−½ of the body with this record; 0 for the ground.
     pub fn inverse_root_mass(&self, record: u32) -> f32 {
-        if record == 0 {
-            return 0.0;
-        }
         let (block, lane) = self.at(record);
         block.inverse_root_mass[lane]
     }
@@ -249,8 +279,8 @@ impl Movers {
     }
 
     /// Into the world.
-    pub fn store(&self, index: usize, body: &mut BodyState) {
-        let (block, lane) = (&self.blocks[index / LANES], index % LANES);
+    pub fn store(&self, record: u32, body: &mut BodyState) {
+        let (block, lane) = self.at(record);
         body.velocity = get(&block.velocity, lane);
         body.center = get(&block.center, lane);
         body.rotation = rotation_of(&block.rotation, lane);

@@ -322,10 +322,10 @@ pub fn begin_all<S: Simd>(
     h: f32,
 ) {
     let carried = match carried {
-        Some(records) => records[1..].as_chunks().0,
+        Some(records) => records.as_chunks().0,
         None => &[],
     };
-    let records = before[1..].as_chunks_mut().0.iter_mut().zip(velocities[1..].as_chunks_mut().0);
+    let records = before.as_chunks_mut().0.iter_mut().zip(velocities.as_chunks_mut().0);
     for (k, (block, (before, velocities))) in blocks.iter_mut().zip(records).enumerate() {
         begin(simd, block, carried.get(k), before, velocities, h);
     }
@@ -342,8 +342,8 @@ pub fn advance_all<S: Simd>(
     ways: &mut [Record],
     motion: &Motion,
 ) {
-    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks_mut().0);
-    let records = records.zip(velocities[1..].as_chunks_mut().0).zip(ways[1..].as_chunks_mut().0);
+    let records = carried.as_chunks_mut().0.iter_mut().zip(before.as_chunks_mut().0);
+    let records = records.zip(velocities.as_chunks_mut().0).zip(ways.as_chunks_mut().0);
     for (block, (((carried, before), velocities), ways)) in blocks.iter_mut().zip(records) {
         advance(simd, block, carried, before, velocities, ways, motion);
     }
@@ -358,8 +358,8 @@ pub fn end_all<S: Simd>(
     before: &[Record],
     velocities: &[Record],
 ) {
-    let records = carried[1..].as_chunks_mut().0.iter_mut().zip(before[1..].as_chunks().0);
-    for (block, ((carried, before), velocities)) in blocks.iter_mut().zip(records.zip(velocities[1..].as_chunks().0)) {
+    let records = carried.as_chunks_mut().0.iter_mut().zip(before.as_chunks().0);
+    for (block, ((carried, before), velocities)) in blocks.iter_mut().zip(records.zip(velocities.as_chunks().0)) {
         end(simd, block, carried, before, velocities);
     }
 }
@@ -375,9 +375,9 @@ pub fn reweigh_all<S: Simd>(
     before: &mut [Record],
     velocities: &mut [Record],
 ) {
-    let records = roots[1..].as_chunks_mut().0.iter_mut().zip(old_roots[1..].as_chunks_mut().0);
-    let records = records.zip(ways[1..].as_chunks_mut().0).zip(before[1..].as_chunks_mut().0);
-    let records = records.zip(velocities[1..].as_chunks_mut().0);
+    let records = roots.as_chunks_mut().0.iter_mut().zip(old_roots.as_chunks_mut().0);
+    let records = records.zip(ways.as_chunks_mut().0).zip(before.as_chunks_mut().0);
+    let records = records.zip(velocities.as_chunks_mut().0);
     for (block, ((((roots, old_roots), ways), before), velocities)) in blocks.iter_mut().zip(records) {
         write_roots(simd, block, old_roots);
         reweigh(simd, block, roots, ways, before, velocities);
@@ -395,8 +395,8 @@ pub fn shift_all<S: Simd>(
     velocities: &mut [Record],
     h: f32,
 ) {
-    let records = pushes[1..].as_chunks().0.iter().zip(ways[1..].as_chunks_mut().0);
-    let records = records.zip(before[1..].as_chunks_mut().0).zip(velocities[1..].as_chunks_mut().0);
+    let records = pushes.as_chunks().0.iter().zip(ways.as_chunks_mut().0);
+    let records = records.zip(before.as_chunks_mut().0).zip(velocities.as_chunks_mut().0);
     for (block, (((pushes, ways), before), velocities)) in blocks.iter_mut().zip(records) {
         shift(simd, block, pushes, ways, before, velocities, h);
     }
@@ -405,7 +405,7 @@ pub fn shift_all<S: Simd>(
 /// `weigh` for all.
 #[inline(always)]
 pub fn weigh_all<S: Simd>(simd: S, blocks: &mut [MoverBlock], roots: &mut [Record]) {
-    for (block, roots) in blocks.iter_mut().zip(roots[1..].as_chunks_mut().0) {
+    for (block, roots) in blocks.iter_mut().zip(roots.as_chunks_mut().0) {
         weigh(simd, block, roots);
     }
 }

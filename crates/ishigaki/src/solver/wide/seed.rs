@@ -25,9 +25,9 @@ impl Batch {
         let height = |slot: u32| source.bodies.at(slot).height;
         let mut loads: Vec<f32> = vec![0.0; self.movers.records()];
         let mut supports: Vec<u32> = vec![0; self.movers.records()];
-        for (load, &slot) in loads[1..].iter_mut().zip(&self.movers.slots) {
+        for (index, slot) in self.movers.bodies() {
             let body = source.bodies.at(slot);
-            *load = weight * body.gravity_scale / body.inverse_mass;
+            loads[index as usize] = weight * body.gravity_scale / body.inverse_mass;
         }
         let mut order: Vec<(Reverse<u32>, u32)> = Vec::with_capacity(self.places.len());
         for (index, place) in self.places.iter().enumerate() {

@@ -11,32 +11,34 @@ use crate::solver::plan::Plan;
 use crate::solver::slop;
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{Batch, IslandState, Outcome};
-use crate::solver::wide::contact_block::{self as kernel, Biases, SweepPass};
+use crate::solver::wide::contact_block::{Biases, SweepPass};
+use crate::solver::wide::domain::{Machine, Part};
 use crate::solver::wide::joint_block::JointPass;
-use crate::solver::wide::lanes::{LANES, Lane, Record, splat, store};
+use crate::solver::wide::lanes::{LANES, Record};
 use crate::solver::wide::moving::{self, Motion};
+use crate::solver::wide::sweeping::{self, Visits};
 use crate::solver::work;
 use crate::world::World;
-use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use std::sync::{Mutex, PoisonError};
 
 impl World {
     /// Solves all batches, on several threads if the world has them.
     pub(crate) fn solve_batches(&self, wide: &mut Wide, dt: f32) {
-        let (level, mut batches) = (wide.level, std::mem::take(&mut wide.batches));
+        let machine = Machine { level: wide.level, workers: &self.workers };
+        let mut batches = std::mem::take(&mut wide.batches);
         let aids = Mutex::new(std::mem::take(&mut wide.aids));
         let lock = || aids.lock().unwrap_or_else(PoisonError::into_inner);
         self.workers.for_each(&mut batches[..wide.used], |batch| {
             let mut aid = lock().pop().unwrap_or_default();
-            self.solve_batch(level, batch, &mut aid, dt);
+            self.solve_batch(machine, batch, &mut aid, dt);
             lock().push(aid);
         });
         wide.aids = aids.into_inner().unwrap_or_else(PoisonError::into_inner);
         wide.batches = batches;
     }
 
-    fn solve_batch(&self, level: Level, batch: &mut Batch, aid: &mut Plan, dt: f32) {
+    fn solve_batch(&self, machine: Machine<'_>, batch: &mut Batch, aid: &mut Plan, dt: f32) {
         batch.outcome = Outcome::default();
         let solver = &self.options.solver;
         let (substeps, relax_sweeps, solver_substeps) = (batch.substeps, solver.relax_sweeps, solver.substeps);
@@ -64,19 +66,19 @@ impl World {
         let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
         let looks = !is_free && (substeps < solver_substeps || self.has_stacks(batch));
         aid.manifolds.clear();
-        batch.aim_joints(level, h);
+        batch.aim_joints(machine.level, h);
         for substep in 0..substeps {
             let is_last = substep + 1 == substeps;
             let velocity = JointPass::velocity(h);
-            batch.begin(level, h);
+            batch.begin(machine, h);
             let mut sweeps = sweeps;
             if !is_free {
                 if substep == 0 || batch.pushes_anew() {
-                    batch.warm_start(level);
+                    batch.warm_start(machine);
                     batch.outcome.work += work.warm_start;
                 }
                 if looks {
-                    batch.look(level, &pass);
+                    batch.look(machine, &pass);
                     batch.outcome.work += work.looks;
                     let is_quiet = self.correct_batch(batch, aid, &pass);
                     if is_quiet && substeps < solver_substeps {
@@ -87,37 +89,37 @@ impl World {
                 for sweep in 0..sweeps {
                     order.before(sweep);
                     let biases = if sweep == 0 && !looks { Biases::Recover } else { Biases::Keep };
-                    batch.sweep(level, &pass, &velocity, Visits { reversed: order.reversed, biases, add_up: false });
+                    batch.sweep(machine, &pass, &velocity, Visits { reversed: order.reversed, biases, add_up: false });
                 }
                 if is_last && self.options.report.residual {
-                    batch.outcome.residual = batch.residual(level, &pass, &velocity);
+                    batch.outcome.residual = batch.residual(machine, &pass, &velocity);
                 }
             }
-            batch.advance(level, &motion);
+            batch.advance(machine, &motion);
             if !is_free {
                 if !batch.joints.is_empty() {
                     batch.outcome.work += work.reweighing;
-                    self.recover_batch_joints(level, batch, order.reversed, h);
+                    self.recover_batch_joints(machine.level, batch, order.reversed, h);
                 }
                 let relax = if is_last { Biases::RelaxLast } else { Biases::Relax };
                 for sweep in 0..relax_sweeps {
                     order.before(sweeps + sweep);
                     let biases = if sweep == 0 { relax } else { Biases::Keep };
                     let visits = Visits { reversed: order.reversed, biases, add_up: sweep + 1 == relax_sweeps };
-                    batch.sweep(level, &pass, &JointPass::relax(h), visits);
+                    batch.sweep(machine, &pass, &JointPass::relax(h), visits);
                 }
                 if relax_sweeps == 0 {
-                    batch.leave(level, &pass, relax);
+                    batch.leave(machine, &pass, relax);
                 }
             }
-            batch.end(level);
+            batch.end(machine);
             if !pass.warm {
                 batch.forget();
             }
             batch.outcome.work +=
                 u64::from(sweeps + relax_sweeps) * (work.visit + batch.joints.work.sweep) + work.measures;
         }
-        batch.see_joints(level);
+        batch.see_joints(machine.level);
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
     }
 
@@ -205,28 +207,20 @@ impl Order {
     }
 }
 
-/// What a sweep does beside its visits.
-#[derive(Clone, Copy)]
-struct Visits {
-    reversed: bool,
-    biases: Biases,
-    /// λ is what the substep leaves.
-    add_up: bool,
-}
-
 impl Batch {
-    fn begin(&mut self, level: Level, h: f32) {
-        let carried = (!self.pushes_anew()).then_some(&self.carried[..]);
-        let (blocks, before, velocities) = (&mut self.movers.blocks, &mut self.before, &mut self.velocities);
-        dispatch!(level, simd => moving::begin_all(simd, blocks, carried, before, velocities, h));
+    fn begin(&mut self, machine: Machine<'_>, h: f32) {
+        let carries = !self.pushes_anew();
+        self.each(machine, |part| part.begin(machine.level, carries, h));
     }
 
     /// Takes the sweeps over, and moves.
-    fn advance(&mut self, level: Level, motion: &Motion) {
-        let blocks = &mut self.movers.blocks;
-        let (carried, before) = (&mut self.carried, &mut self.before);
-        let (velocities, ways) = (&mut self.velocities, &mut self.displacements);
-        dispatch!(level, simd => moving::advance_all(simd, blocks, carried, before, velocities, ways, motion));
+    fn advance(&mut self, machine: Machine<'_>, motion: &Motion) {
+        self.each(machine, |part| part.advance(machine.level, motion));
+    }
+
+    /// Takes the sweeps after the motion over.
+    fn end(&mut self, machine: Machine<'_>) {
+        self.each(machine, |part| part.end(machine.level));
     }
 
     /// Rows of joints turn with their bodies: their impulses push along other ways than in the last substep.
@@ -250,7 +244,7 @@ impl Batch {
         let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
         dispatch!(level, simd => {
             moving::reweigh_all(simd, movers, roots, old, ways, before, velocities);
-            reweigh_all(simd, blocks, scales, old, roots);
+            sweeping::reweigh_all(simd, blocks, scales, old, roots);
         });
     }
 
@@ -269,13 +263,6 @@ impl Batch {
         }
     }
 
-    /// Takes the sweeps after the motion over.
-    fn end(&mut self, level: Level) {
-        let blocks = &mut self.movers.blocks;
-        let (carried, before, velocities) = (&mut self.carried, &self.before, &self.velocities);
-        dispatch!(level, simd => moving::end_all(simd, blocks, carried, before, velocities));
-    }
-
     /// Without warm start each substep begins from nothing.
     fn forget(&mut self) {
         self.carried.fill(Record::default());
@@ -286,156 +273,49 @@ impl Batch {
         self.joints.forget();
     }
 
-    fn warm_start(&mut self, level: Level) {
-        let (blocks, scales, velocities) = (&self.blocks, &self.scales, &mut self.velocities);
-        dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
-        self.joints.warm_start(level, &mut self.velocities);
+    fn warm_start(&mut self, machine: Machine<'_>) {
+        self.each_color(machine, false, |part| part.warm_start(machine.level));
+        self.joints.warm_start(machine.level, &mut self.velocities);
     }
 
     /// Biases of the rows; loads and unrest of the islands.
-    fn look(&mut self, level: Level, pass: &SweepPass) {
-        self.inspect(level, pass, Biases::Recover);
-        for island in &mut self.islands {
-            (island.load, island.unrest) = (0.0, 0.0);
-        }
-        for place in &self.places {
-            let (block, lane) = (&self.blocks[place.block as usize], place.lane as usize);
-            let island = &mut self.islands[place.island as usize];
-            island.unrest += self.unrest[place.block as usize][lane];
-            island.load += block.points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum::<f32>();
-        }
+    fn look(&mut self, machine: Machine<'_>, pass: &SweepPass) {
+        self.each_and_seam(machine, |part| {
+            part.inspect(machine.level, pass, Biases::Recover);
+        });
+        self.sum_up(machine);
     }
 
     /// The end of a substep without relax sweeps.
-    fn leave(&mut self, level: Level, pass: &SweepPass, biases: Biases) {
-        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
-        dispatch!(level, simd => leave_all(simd, blocks, displacements, pass, biases));
-        self.joints.add_up(level);
+    fn leave(&mut self, machine: Machine<'_>, pass: &SweepPass, biases: Biases) {
+        self.each_and_seam(machine, |part| part.leave(machine.level, pass, biases));
+        self.joints.add_up(machine.level);
     }
 
     /// Contacts, then joints; or all of it the other way around.
-    fn sweep(&mut self, level: Level, pass: &SweepPass, joints: &JointPass, visits: Visits) {
+    fn sweep(&mut self, machine: Machine<'_>, pass: &SweepPass, joints: &JointPass, visits: Visits) {
+        let level = machine.level;
         if visits.reversed {
             self.joints.sweep(level, &mut self.velocities, joints, true, visits.add_up);
         }
-        let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
-        let (velocities, displacements) = (&mut self.velocities[..], &self.displacements[..]);
-        dispatch!(level, simd => sweep(simd, blocks, scales, velocities, displacements, pass, visits));
+        self.each_color(machine, visits.reversed, |part| part.sweep(level, pass, visits));
         if !visits.reversed {
             self.joints.sweep(level, &mut self.velocities, joints, false, visits.add_up);
         }
     }
 
-    fn residual(&mut self, level: Level, pass: &SweepPass, joints: &JointPass) -> f32 {
-        let of_contacts = self.inspect(level, pass, Biases::Keep);
-        of_contacts.max(self.joints.residual(level, &self.velocities, joints))
-    }
-
-    /// How far each block is from rest; the greatest change of an impulse that a visit would make.
-    fn inspect(&mut self, level: Level, pass: &SweepPass, biases: Biases) -> f32 {
-        let (blocks, displacements) = (&mut self.blocks, &self.displacements);
-        let (velocities, unrest) = (&self.velocities, &mut self.unrest);
-        unrest.clear();
-        let mut residual = [0.0; LANES];
-        dispatch!(level, simd => {
-            inspect_all(simd, blocks, displacements, velocities, pass, biases, unrest, &mut residual);
-        });
-        residual.into_iter().fold(0.0, f32::max)
+    fn residual(&mut self, machine: Machine<'_>, pass: &SweepPass, joints: &JointPass) -> f32 {
+        let inspect = |part: &mut Part<'_>| part.inspect(machine.level, pass, Biases::Keep);
+        let mut greatest = self.each(machine, inspect).into_iter().flatten().fold(0.0, f32::max);
+        if let Some(mut seam) = self.seam() {
+            greatest = greatest.max(inspect(&mut seam));
+        }
+        greatest.max(self.joints.residual(machine.level, &self.velocities, joints))
     }
 
     fn manifold_work(&self, passes: u64) -> work::Manifolds {
         let mut sum = work::Manifolds::default();
         self.places.iter().for_each(|place| sum.add(place.size.points() as u64, passes));
         sum
-    }
-}
-
-#[inline(always)]
-fn warm_start_all<S: Simd>(
-    simd: S,
-    blocks: &[kernel::ContactBlock],
-    scales: &[kernel::ScaleLanes],
-    velocities: &mut [Record],
-) {
-    for (k, block) in blocks.iter().enumerate() {
-        kernel::warm_start(simd, block, &scales[k.min(scales.len() - 1)], velocities);
-    }
-}
-
-#[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
-fn inspect_all<S: Simd>(
-    simd: S,
-    blocks: &mut [kernel::ContactBlock],
-    displacements: &[Record],
-    velocities: &[Record],
-    pass: &SweepPass,
-    biases: Biases,
-    unrest: &mut Vec<Lane>,
-    residual: &mut Lane,
-) {
-    let mut greatest = splat(simd, 0.0);
-    for block in blocks {
-        if biases != Biases::Keep {
-            kernel::measure(simd, block, displacements, pass, biases);
-        }
-        let found = kernel::inspect(simd, block, velocities);
-        greatest = found.residual.simd_gt(greatest).select(found.residual, greatest);
-        let mut lanes = [0.0; LANES];
-        store(found.energy, &mut lanes);
-        unrest.push(lanes);
-    }
-    store(greatest, residual);
-}
-
-#[inline(always)]
-fn reweigh_all<S: Simd>(
-    simd: S,
-    blocks: &mut [kernel::ContactBlock],
-    scales: &[kernel::ScaleLanes],
-    old: &[Record],
-    new: &[Record],
-) {
-    for (k, block) in blocks.iter_mut().enumerate() {
-        kernel::reweigh(simd, block, &scales[k.min(scales.len() - 1)], old, new);
-    }
-}
-
-#[inline(always)]
-fn leave_all<S: Simd>(
-    simd: S,
-    blocks: &mut [kernel::ContactBlock],
-    displacements: &[Record],
-    pass: &SweepPass,
-    biases: Biases,
-) {
-    for block in blocks {
-        kernel::measure(simd, block, displacements, pass, biases);
-        kernel::add_up(simd, block);
-    }
-}
-
-/// Each block comes once into the cache for all that a sweep does to it.
-#[inline(always)]
-fn sweep<S: Simd>(
-    simd: S,
-    blocks: &mut [kernel::ContactBlock],
-    scales: &[kernel::ScaleLanes],
-    velocities: &mut [Record],
-    displacements: &[Record],
-    pass: &SweepPass,
-    visits: Visits,
-) {
-    let (n, last) = (blocks.len(), scales.len() - 1);
-    for i in 0..n {
-        let k = if visits.reversed { n - 1 - i } else { i };
-        let block = &mut blocks[k];
-        if visits.biases != Biases::Keep {
-            kernel::measure(simd, block, displacements, pass, visits.biases);
-        }
-        kernel::visit(simd, block, &scales[k.min(last)], velocities, pass);
-        if visits.add_up {
-            kernel::add_up(simd, block);
-        }
     }
 }

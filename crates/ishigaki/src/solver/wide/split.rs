@@ -10,6 +10,7 @@ use crate::collision::link::Link;
 use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, WorldOptions};
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
+use crate::solver::wide::domain::Machine;
 use crate::solver::wide::joints;
 use crate::solver::wide::lanes::LANES;
 use crate::union_find::{root, unite};
@@ -189,6 +190,9 @@ impl World {
                 }
                 *size += wide.sizes[root] as usize + 1;
                 wide.batch_of_island[root] = *batch;
+                if !has_joints {
+                    wide.batches[*batch as usize].divisible += wide.sizes[root];
+                }
             } else {
                 wide.batch_of_island[island] = wide.batch_of_island[root];
             }
@@ -206,7 +210,7 @@ impl World {
             }
             let batch = &mut wide.batches[number as usize];
             wide.batch_of[slot as usize] = number;
-            wide.index_of[slot as usize] = batch.movers.add(slot);
+            batch.movers.add(slot);
             let local = &mut wide.local_island[body.island as usize];
             if *local == NONE {
                 *local = batch.islands.len() as u32;
@@ -218,21 +222,15 @@ impl World {
                 island.levels = island.levels.max(body.height);
             }
         }
+        let threads = if self.options.solver.wide.by_reference { 1 } else { self.workers.count() };
+        for batch in &mut wide.batches[..wide.used] {
+            batch.divide(&self.bodies, threads);
+            batch.movers.bodies().for_each(|(index, slot)| wide.index_of[slot as usize] = index);
+        }
     }
 
     fn fill_batches(&mut self, wide: &mut Wide, dt: f32) {
-        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets) {
-            let Some(&slot) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
-            let number = wide.batch_of[slot as usize];
-            let batch = &mut wide.batches[number as usize];
-            (link.batch, link.place) = (number, batch.places.len() as u32);
-            let island = wide.island_of[slot as usize];
-            let state = &mut batch.islands[island as usize];
-            state.first_body = state.first_body.min(slot);
-            state.manifolds += link.manifolds;
-            let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
-            batch.places.extend((0..link.manifolds).map(|m| Place::new(index as u32, m, bodies, island)));
-        }
+        self.place_manifolds(wide);
         for (slot, joint) in self.joints.iter() {
             let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
             let Some(&mover) = ends.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
@@ -249,8 +247,24 @@ impl World {
             dt,
             warm_scale: self.warm_start_scale(dt),
         };
-        let level = wide.level;
-        self.workers.for_each(&mut wide.batches[..wide.used], |batch| batch.build(level, &source));
+        let machine = Machine { level: wide.level, workers: &self.workers };
+        self.workers.for_each(&mut wide.batches[..wide.used], |batch| batch.build(machine, &source));
         wide.rows = wide.batches[..wide.used].iter().map(|b| (b.rows + b.joints.rows) as usize).sum();
+    }
+
+    /// Manifolds into their batches.
+    fn place_manifolds(&mut self, wide: &mut Wide) {
+        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets) {
+            let Some(&slot) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
+            let number = wide.batch_of[slot as usize];
+            let batch = &mut wide.batches[number as usize];
+            (link.batch, link.place) = (number, batch.places.len() as u32);
+            let island = wide.island_of[slot as usize];
+            let state = &mut batch.islands[island as usize];
+            state.first_body = state.first_body.min(slot);
+            state.manifolds += link.manifolds;
+            let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
+            batch.places.extend((0..link.manifolds).map(|m| Place::new(index as u32, m, bodies, island)));
+        }
     }
 }

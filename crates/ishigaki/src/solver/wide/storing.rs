@@ -38,7 +38,7 @@ impl World {
                 for (slot, body) in bodies.objects() {
                     let (batch, record) = (wide.batch_of[slot as usize], wide.index_of[slot as usize]);
                     if let Some(batch) = batches.get(batch as usize) {
-                        batch.movers.store(record as usize - 1, body);
+                        batch.movers.store(record, body);
                     }
                 }
             });

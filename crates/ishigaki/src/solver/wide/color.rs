@@ -1,0 +1,101 @@
+//! Colors: manifolds of one color share no body that moves; eight of them make a block.
+//!
+//! Manifolds get the lowest color that none of their bodies has yet, in the order of contacts; those of a block are of
+//! one domain and of about as many points. Colors depend on islands and contacts alone, never on lanes or threads.
+
+use crate::collision::manifold::Contact;
+use crate::solver::wide::batch::Batch;
+use crate::solver::wide::contact_block::{ContactBlock, Size};
+use crate::solver::wide::lanes::LANES;
+
+/// Colors that are told apart; what finds none of them free gets a color of its own.
+const COLORS: usize = 64;
+
+impl Batch {
+    /// Colors of the manifolds, and blocks for each domain, color and size.
+    pub(super) fn color(&mut self, contacts: &[Contact]) {
+        self.used_colors.clear();
+        self.used_colors.resize(self.movers.records(), 0);
+        let mut colors = 0;
+        let mut own_color = COLORS as u32;
+        for domain in &mut self.domains {
+            domain.counts_of.clear();
+        }
+        for p in 0..self.places.len() {
+            let place = self.places[p];
+            let moving = place.bodies.iter().filter(|&&b| b != 0);
+            let taken = moving.clone().fold(0, |taken, &body| taken | self.used_colors[body as usize]);
+            let mut color = taken.trailing_ones();
+            if color < COLORS as u32 {
+                moving.for_each(|&body| self.used_colors[body as usize] |= 1 << color);
+            } else {
+                (color, own_color) = (own_color, own_color + 1);
+            }
+            let size = Size::of(contacts[place.contact as usize].manifolds[place.manifold as usize].points.len());
+            let domain = self.domain_of(place.bodies);
+            let counts_of = &mut self.domains[usize::from(domain)].counts_of;
+            colors = colors.max(color as usize + 1);
+            if counts_of.len() <= color as usize {
+                counts_of.resize(color as usize + 1, [0; Size::ALL.len()]);
+            }
+            let count = &mut counts_of[color as usize][size as usize];
+            let place = &mut self.places[p];
+            (place.color, place.size, place.domain, place.lane) = (color, size, domain, *count);
+            *count += 1;
+        }
+        self.make_blocks(colors);
+        self.name_manifolds();
+    }
+
+    /// Blocks for what was counted. Full ones are written over as they are, lane by lane: only those with lanes that
+    /// nothing fills are emptied.
+    fn make_blocks(&mut self, colors: usize) {
+        let (mut first, mut manifolds) = (0, 0);
+        for domain in &mut self.domains {
+            domain.counts_of.resize(colors, [0; Size::ALL.len()]);
+            domain.colors.clear();
+            (domain.blocks.start, domain.manifolds.start) = (first, manifolds);
+            for of_color in &mut domain.counts_of {
+                let start = first;
+                for (count, size) in of_color.iter_mut().zip(Size::ALL) {
+                    manifolds += *count as usize;
+                    let blocks = count.div_ceil(LANES as u32) as usize;
+                    if self.blocks.len() < first + blocks {
+                        self.blocks.resize(first + blocks, ContactBlock::EMPTY);
+                        self.counts.resize(first + blocks, [0.0; LANES]);
+                    }
+                    for block in &mut self.blocks[first..first + blocks] {
+                        block.size = size;
+                    }
+                    if !count.is_multiple_of(LANES as u32) {
+                        let last = first + blocks - 1;
+                        self.blocks[last] = ContactBlock { size, ..ContactBlock::EMPTY };
+                        self.counts[last] = [0.0; LANES];
+                    }
+                    *count = first as u32;
+                    first += blocks;
+                }
+                domain.colors.push(start..first);
+            }
+            domain.blocks.end = first;
+            domain.manifolds.end = domain.manifolds.start;
+        }
+        self.blocks.truncate(first);
+        self.counts.truncate(first);
+        self.unrest.resize(first, [0.0; LANES]);
+        self.manifolds.clear();
+        self.manifolds.resize(manifolds, 0);
+    }
+
+    /// Where manifolds are among the blocks; the list of those of each domain.
+    fn name_manifolds(&mut self) {
+        for (place, name) in self.places.iter_mut().zip(0..) {
+            let domain = &mut self.domains[usize::from(place.domain)];
+            let index = place.lane;
+            place.block = domain.counts_of[place.color as usize][place.size as usize] + index / LANES as u32;
+            place.lane = index % LANES as u32;
+            self.manifolds[domain.manifolds.end] = name;
+            domain.manifolds.end += 1;
+        }
+    }
+}

@@ -1,0 +1,341 @@
+//! Domains: parts of a large batch for several threads. Bodies that lie together are of one domain; manifolds between
+//! bodies of two domains are the *seam*.
+//!
+//! Domains share no body that moves: threads visit the manifolds of one color in all of them side by side, each core with
+//! its own in its cache, and the seam's of that color after them. Manifolds of one color may be visited in any order, so
+//! that domains change no bit, however many there are: as many as the machine has threads.
+
+use crate::body::BodyState;
+use crate::handle::Arena;
+use crate::math::Vec3;
+use crate::solver::wide::batch::{Batch, Place};
+use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size};
+use crate::solver::wide::joints::Joints;
+use crate::solver::wide::lanes::{LANES, Lane, Record};
+use crate::solver::wide::mover::MoverBlock;
+use crate::threads::{Cut, Workers};
+use fearless_simd::Level;
+use std::ops::Range;
+
+/// Manifolds of a domain, at least: fewer are not worth the seam.
+const MANIFOLDS: usize = 600;
+/// Domains of a batch, at most.
+const MOST: usize = 16;
+/// Blocks of a color that are not worth a second thread.
+const FEW: usize = 12;
+/// Places that are summed up in one go.
+const CHUNK: usize = 512;
+
+/// What a batch is solved on.
+#[derive(Clone, Copy)]
+pub(crate) struct Machine<'a> {
+    /// Its lanes.
+    pub level: Level,
+    /// Its threads.
+    pub workers: &'a Workers,
+}
+
+/// A part of the arrays of a batch.
+#[derive(Clone, Debug, Default)]
+pub struct Domain {
+    /// Records of its bodies; the first is the ground's.
+    pub records: Range<usize>,
+    /// Where its manifolds are named in the list of those of all domains.
+    pub manifolds: Range<usize>,
+    /// Blocks of these, color by color.
+    pub blocks: Range<usize>,
+    /// Those of each color.
+    pub colors: Vec<Range<usize>>,
+    /// By color and size: first how many manifolds, then the first block.
+    pub(super) counts_of: Vec<[u32; Size::ALL.len()]>,
+}
+
+/// Σλ_n, N·s, and unrest, J, of some manifolds.
+#[derive(Clone, Debug, Default)]
+pub struct Sums {
+    chunk: usize,
+    of_islands: Vec<[f32; 2]>,
+}
+
+/// What one thread has in its hands: some domains with all that is of them, or the seam with the bodies of all domains.
+pub(super) struct Part<'a> {
+    pub domains: &'a [Domain],
+    pub slots: &'a [u32],
+    pub movers: &'a mut [MoverBlock],
+    pub velocities: &'a mut [Record],
+    pub before: &'a mut [Record],
+    pub carried: &'a mut [Record],
+    pub displacements: &'a mut [Record],
+    pub roots: &'a mut [Record],
+    /// All of the batch.
+    pub places: &'a [Place],
+    /// Which of them are at hand.
+    pub manifolds: &'a [u32],
+    pub blocks: &'a mut [ContactBlock],
+    pub counts: &'a mut [Lane],
+    pub unrest: &'a mut [Lane],
+    /// Of the blocks, or one for all.
+    pub scales: &'a [ScaleLanes],
+    pub joints: &'a Joints,
+}
+
+impl Part<'_> {
+    /// The only domain, or the seam.
+    pub fn domain(&self) -> &Domain {
+        &self.domains[0]
+    }
+
+    /// What is at hand, with the blocks of one color alone.
+    pub fn of_color(&mut self, color: usize) -> Part<'_> {
+        let first = self.domain().blocks.start;
+        let range = self.domain().colors[color].clone();
+        let blocks = range.start - first..range.end - first;
+        Part {
+            domains: self.domains,
+            slots: self.slots,
+            movers: self.movers,
+            velocities: self.velocities,
+            before: self.before,
+            carried: self.carried,
+            displacements: self.displacements,
+            roots: self.roots,
+            places: self.places,
+            manifolds: self.manifolds,
+            scales: if self.scales.len() == 1 { self.scales } else { &self.scales[blocks.clone()] },
+            counts: &mut self.counts[blocks.clone()],
+            unrest: &mut self.unrest[blocks.clone()],
+            blocks: &mut self.blocks[blocks],
+            joints: self.joints,
+        }
+    }
+
+    /// Index of a body of the batch in the records of this part.
+    pub fn local(&self, body: u32) -> u32 {
+        if body == 0 { 0 } else { body - self.domain().records.start as u32 }
+    }
+}
+
+impl Cut for Part<'_> {
+    fn cut(self, part: usize, _of: usize) -> (Self, Self) {
+        let (domains, other_domains) = self.domains.split_at(part);
+        let (first, next) = (&domains[0], &other_domains[0]);
+        let record = next.records.start - first.records.start;
+        let manifold = next.manifolds.start - first.manifolds.start;
+        let block = next.blocks.start - first.blocks.start;
+        let (slots, other_slots) = self.slots.split_at(record);
+        let (movers, other_movers) = self.movers.split_at_mut(record / LANES);
+        let (velocities, other_velocities) = self.velocities.split_at_mut(record);
+        let (before, other_before) = self.before.split_at_mut(record);
+        let (carried, other_carried) = self.carried.split_at_mut(record);
+        let (displacements, other_displacements) = self.displacements.split_at_mut(record);
+        let (roots, other_roots) = self.roots.split_at_mut(record);
+        let (manifolds, other_manifolds) = self.manifolds.split_at(manifold);
+        let (blocks, other_blocks) = self.blocks.split_at_mut(block);
+        let (counts, other_counts) = self.counts.split_at_mut(block);
+        let (unrest, other_unrest) = self.unrest.split_at_mut(block);
+        let one_for_all = self.scales.len() == 1;
+        let (scales, other_scales) = if one_for_all { (self.scales, self.scales) } else { self.scales.split_at(block) };
+        let other = Part {
+            domains: other_domains,
+            slots: other_slots,
+            movers: other_movers,
+            velocities: other_velocities,
+            before: other_before,
+            carried: other_carried,
+            displacements: other_displacements,
+            roots: other_roots,
+            places: self.places,
+            manifolds: other_manifolds,
+            blocks: other_blocks,
+            counts: other_counts,
+            unrest: other_unrest,
+            scales: other_scales,
+            joints: self.joints,
+        };
+        let part = Part {
+            domains,
+            slots,
+            movers,
+            velocities,
+            before,
+            carried,
+            displacements,
+            roots,
+            places: self.places,
+            manifolds,
+            blocks,
+            counts,
+            unrest,
+            scales,
+            joints: self.joints,
+        };
+        (part, other)
+    }
+}
+
+impl Batch {
+    /// Sorts bodies into domains for so many threads; what has joints is one.
+    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, threads: usize) {
+        let domains = (self.divisible as usize / MANIFOLDS).min(threads).clamp(1, MOST);
+        self.domains.resize_with(domains + 1, Domain::default);
+        let mut first_records = [0; MOST];
+        if domains > 1 {
+            let Self { movers, centers, domain_of_body, .. } = self;
+            centers.clear();
+            centers.extend(movers.slots[1..].iter().zip(0..).map(|(&slot, index)| (bodies.at(slot).center, index)));
+            domain_of_body.resize(centers.len(), 0);
+            let mut numbers = 0..;
+            bisect(centers, domains, &mut |centers| {
+                let number = numbers.next().unwrap_or_default();
+                centers.iter().for_each(|&(_, index)| domain_of_body[index as usize] = number);
+            });
+            movers.arrange(domain_of_body, &mut first_records[..domains]);
+        }
+        self.movers.make_blocks();
+        let mut end = self.movers.records();
+        self.domains[domains].records = 0..end;
+        for (domain, &first) in self.domains[..domains].iter_mut().zip(&first_records).rev() {
+            domain.records = first..end;
+            end = first;
+        }
+        self.domain_of_block.clear();
+        for (domain, k) in self.domains.iter_mut().zip(0..) {
+            (domain.manifolds, domain.blocks) = (0..0, 0..0);
+            self.domain_of_block.resize(domain.records.end / LANES, k);
+        }
+    }
+
+    /// How many domains there are, the seam aside.
+    fn divided(&self) -> usize {
+        self.domains.len() - 1
+    }
+
+    /// The domain of both bodies, or the seam.
+    pub(super) fn domain_of(&self, bodies: [u32; 2]) -> u8 {
+        let of_body = |body: u32| self.domain_of_block[body as usize / LANES];
+        match bodies {
+            [0, body] | [body, 0] => of_body(body),
+            [a, b] if of_body(a) == of_body(b) => of_body(a),
+            _ => self.divided() as u8,
+        }
+    }
+
+    /// What `domains` have of the arrays.
+    fn part(&mut self, domains: Range<usize>) -> Part<'_> {
+        let domains = &self.domains[domains];
+        let (first, last) = (&domains[0], &domains[domains.len() - 1]);
+        let records = first.records.start..last.records.end;
+        let blocks = first.blocks.start..last.blocks.end;
+        Part {
+            slots: &self.movers.slots[records.clone()],
+            movers: &mut self.movers.blocks[records.start / LANES..records.end / LANES],
+            velocities: &mut self.velocities[records.clone()],
+            before: &mut self.before[records.clone()],
+            carried: &mut self.carried[records.clone()],
+            displacements: &mut self.displacements[records.clone()],
+            roots: &mut self.roots[records],
+            places: &self.places,
+            manifolds: &self.manifolds[first.manifolds.start..last.manifolds.end],
+            blocks: &mut self.blocks[blocks.clone()],
+            counts: &mut self.counts[blocks.clone()],
+            unrest: &mut self.unrest[blocks.clone()],
+            scales: if self.scales.len() == 1 { &self.scales } else { &self.scales[blocks] },
+            joints: &self.joints,
+            domains,
+        }
+    }
+
+    /// Calls `work` for each domain, side by side on the threads of the machine.
+    pub(super) fn each<T: Send>(
+        &mut self,
+        machine: Machine<'_>,
+        work: impl Fn(&mut Part<'_>) -> T + Sync,
+    ) -> [Option<T>; MOST] {
+        let domains = self.divided();
+        let mut outputs = [const { None }; MOST];
+        machine.workers.in_parts(self.part(0..domains), &mut outputs[..domains], |mut part, output| {
+            *output = Some(work(&mut part));
+        });
+        outputs
+    }
+
+    /// The same for each domain, then the seam, where visits of blocks do not depend on each other.
+    pub(super) fn each_and_seam(&mut self, machine: Machine<'_>, work: impl Fn(&mut Part<'_>) + Sync) {
+        self.each(machine, &work);
+        if let Some(mut seam) = self.seam() {
+            work(&mut seam);
+        }
+    }
+
+    /// Calls `work` for each color after the other, where visits push bodies.
+    pub(super) fn each_color(&mut self, machine: Machine<'_>, reversed: bool, work: impl Fn(&mut Part<'_>) + Sync) {
+        let domains = self.divided();
+        if domains == 1 {
+            return work(&mut self.part(0..1));
+        }
+        let colors = self.domains[0].colors.len();
+        for color in 0..colors {
+            let color = if reversed { colors - 1 - color } else { color };
+            let blocks: usize = self.domains[..domains].iter().map(|domain| domain.colors[color].len()).sum();
+            if blocks > FEW {
+                self.each(machine, |part| work(&mut part.of_color(color)));
+            } else if blocks > 0 {
+                (0..domains).for_each(|domain| work(&mut self.part(domain..domain + 1).of_color(color)));
+            }
+            if let Some(mut seam) = self.seam() {
+                work(&mut seam.of_color(color));
+            }
+        }
+    }
+
+    /// The seam, if there is one.
+    pub(super) fn seam(&mut self) -> Option<Part<'_>> {
+        let seam = self.divided();
+        let is_empty = self.domains[seam].manifolds.is_empty();
+        (!is_empty).then(|| self.part(seam..seam + 1))
+    }
+
+    /// Loads and unrest of the islands.
+    pub(super) fn sum_up(&mut self, machine: Machine<'_>) {
+        let islands = self.islands.len();
+        let (blocks, unrest) = (&self.blocks, &self.unrest);
+        self.sums.resize_with(self.places.len().div_ceil(CHUNK), Sums::default);
+        self.sums.iter_mut().zip(0..).for_each(|(sums, chunk)| sums.chunk = chunk);
+        let places = &self.places;
+        machine.workers.for_each(&mut self.sums, |sums| {
+            sums.of_islands.clear();
+            sums.of_islands.resize(islands, [0.0; 2]);
+            for place in places[CHUNK * sums.chunk..].iter().take(CHUNK) {
+                let (k, lane) = (place.block as usize, place.lane as usize);
+                let [load, energy] = &mut sums.of_islands[place.island as usize];
+                *energy += unrest[k][lane];
+                *load += blocks[k].points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum::<f32>();
+            }
+        });
+        for (island, state) in self.islands.iter_mut().enumerate() {
+            (state.load, state.unrest) = (0.0, 0.0);
+            for sums in &self.sums {
+                let [load, unrest] = sums.of_islands[island];
+                (state.load, state.unrest) = (state.load + load, state.unrest + unrest);
+            }
+        }
+    }
+}
+
+/// Cuts along the longest side of what bodies take up into parts with as many of them each.
+fn bisect(bodies: &mut [(Vec3, u32)], parts: usize, found: &mut impl FnMut(&[(Vec3, u32)])) {
+    if parts == 1 {
+        return found(bodies);
+    }
+    let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for &(center, _) in &*bodies {
+        (least, greatest) = (least.min(center), greatest.max(center));
+    }
+    let axis = (greatest - least).max_position();
+    let near = parts / 2;
+    let middle = bodies.len() * near / parts;
+    bodies.select_nth_unstable_by(middle, |(a, one), (b, two)| a[axis].total_cmp(&b[axis]).then(one.cmp(two)));
+    let (of_near, of_far) = bodies.split_at_mut(middle);
+    bisect(of_near, near, found);
+    bisect(of_far, parts - near, found);
+}

@@ -1,0 +1,171 @@
+//! What a thread does to the bodies and blocks that it has in its hands: the passes of a substep.
+
+use crate::solver::wide::contact_block::{self as kernel, Biases, ContactBlock, ScaleLanes, SweepPass};
+use crate::solver::wide::domain::Part;
+use crate::solver::wide::lanes::{LANES, Lane, Record, splat, store};
+use crate::solver::wide::moving::{self, Motion};
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, dispatch};
+
+/// What a sweep does beside its visits.
+#[derive(Clone, Copy)]
+pub(super) struct Visits {
+    pub reversed: bool,
+    pub biases: Biases,
+    /// λ is what the substep leaves.
+    pub add_up: bool,
+}
+
+impl Part<'_> {
+    /// Forces; what the last substep carried over, if it did.
+    pub fn begin(&mut self, level: Level, carries: bool, h: f32) {
+        let carried = carries.then_some(&*self.carried);
+        let (movers, before, velocities) = (&mut *self.movers, &mut *self.before, &mut *self.velocities);
+        dispatch!(level, simd => moving::begin_all(simd, movers, carried, before, velocities, h));
+    }
+
+    /// Takes the sweeps over, and moves.
+    pub fn advance(&mut self, level: Level, motion: &Motion) {
+        let (movers, carried, before) = (&mut *self.movers, &mut *self.carried, &mut *self.before);
+        let (velocities, ways) = (&mut *self.velocities, &mut *self.displacements);
+        dispatch!(level, simd => moving::advance_all(simd, movers, carried, before, velocities, ways, motion));
+    }
+
+    /// Takes the sweeps after the motion over.
+    pub fn end(&mut self, level: Level) {
+        let (movers, carried) = (&mut *self.movers, &mut *self.carried);
+        let (before, velocities) = (&*self.before, &*self.velocities);
+        dispatch!(level, simd => moving::end_all(simd, movers, carried, before, velocities));
+    }
+
+    /// Rows of the blocks that were filled.
+    pub fn prepare(&mut self, level: Level) {
+        let (scales, roots, counts) = (self.scales, &*self.roots, &*self.counts);
+        let blocks = &mut *self.blocks;
+        dispatch!(level, simd => prepare_all(simd, blocks, scales, roots, counts));
+    }
+
+    pub fn warm_start(&mut self, level: Level) {
+        let (scales, blocks, velocities) = (self.scales, &*self.blocks, &mut *self.velocities);
+        dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
+    }
+
+    pub fn sweep(&mut self, level: Level, pass: &SweepPass, visits: Visits) {
+        let scales = self.scales;
+        let (blocks, velocities, displacements) = (&mut *self.blocks, &mut *self.velocities, &*self.displacements);
+        dispatch!(level, simd => sweep(simd, blocks, scales, velocities, displacements, pass, visits));
+    }
+
+    pub fn leave(&mut self, level: Level, pass: &SweepPass, biases: Biases) {
+        let (blocks, displacements) = (&mut *self.blocks, &*self.displacements);
+        dispatch!(level, simd => leave_all(simd, blocks, displacements, pass, biases));
+    }
+
+    /// How far each block is from rest; the greatest change of an impulse that a visit would make.
+    pub fn inspect(&mut self, level: Level, pass: &SweepPass, biases: Biases) -> f32 {
+        let (blocks, displacements) = (&mut *self.blocks, &*self.displacements);
+        let (velocities, unrest) = (&*self.velocities, &mut *self.unrest);
+        let mut residual = [0.0; LANES];
+        dispatch!(level, simd => {
+            inspect_all(simd, blocks, displacements, velocities, pass, biases, unrest, &mut residual);
+        });
+        residual.into_iter().fold(0.0, f32::max)
+    }
+}
+
+#[inline(always)]
+fn prepare_all<S: Simd>(
+    simd: S,
+    blocks: &mut [ContactBlock],
+    scales: &[ScaleLanes],
+    roots: &[Record],
+    counts: &[Lane],
+) {
+    for (k, (block, counts)) in blocks.iter_mut().zip(counts).enumerate() {
+        kernel::prepare(simd, block, &scales[k.min(scales.len() - 1)], roots, counts);
+    }
+}
+
+#[inline(always)]
+fn warm_start_all<S: Simd>(simd: S, blocks: &[ContactBlock], scales: &[ScaleLanes], velocities: &mut [Record]) {
+    for (k, block) in blocks.iter().enumerate() {
+        kernel::warm_start(simd, block, &scales[k.min(scales.len() - 1)], velocities);
+    }
+}
+
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
+fn inspect_all<S: Simd>(
+    simd: S,
+    blocks: &mut [ContactBlock],
+    displacements: &[Record],
+    velocities: &[Record],
+    pass: &SweepPass,
+    biases: Biases,
+    unrest: &mut [Lane],
+    residual: &mut Lane,
+) {
+    let mut greatest = splat(simd, 0.0);
+    for (block, unrest) in blocks.iter_mut().zip(unrest) {
+        if biases != Biases::Keep {
+            kernel::measure(simd, block, displacements, pass, biases);
+        }
+        let found = kernel::inspect(simd, block, velocities);
+        greatest = found.residual.simd_gt(greatest).select(found.residual, greatest);
+        store(found.energy, unrest);
+    }
+    store(greatest, residual);
+}
+
+/// Rows for rotations as they are.
+#[inline(always)]
+pub(super) fn reweigh_all<S: Simd>(
+    simd: S,
+    blocks: &mut [ContactBlock],
+    scales: &[ScaleLanes],
+    old: &[Record],
+    new: &[Record],
+) {
+    for (k, block) in blocks.iter_mut().enumerate() {
+        kernel::reweigh(simd, block, &scales[k.min(scales.len() - 1)], old, new);
+    }
+}
+
+#[inline(always)]
+fn leave_all<S: Simd>(
+    simd: S,
+    blocks: &mut [ContactBlock],
+    displacements: &[Record],
+    pass: &SweepPass,
+    biases: Biases,
+) {
+    for block in blocks {
+        kernel::measure(simd, block, displacements, pass, biases);
+        kernel::add_up(simd, block);
+    }
+}
+
+/// Each block comes once into the cache for all that a sweep does to it.
+#[inline(always)]
+fn sweep<S: Simd>(
+    simd: S,
+    blocks: &mut [ContactBlock],
+    scales: &[ScaleLanes],
+    velocities: &mut [Record],
+    displacements: &[Record],
+    pass: &SweepPass,
+    visits: Visits,
+) {
+    let (n, last) = (blocks.len(), scales.len() - 1);
+    for i in 0..n {
+        let k = if visits.reversed { n - 1 - i } else { i };
+        let block = &mut blocks[k];
+        if visits.biases != Biases::Keep {
+            kernel::measure(simd, block, displacements, pass, visits.biases);
+        }
+        kernel::visit(simd, block, &scales[k.min(last)], velocities, pass);
+        if visits.add_up {
+            kernel::add_up(simd, block);
+        }
+    }
+}
