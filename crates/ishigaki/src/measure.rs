@@ -22,10 +22,11 @@ impl World {
             report.max_joint_error = report.max_joint_error.max(joint.anchor_error);
         }
         for (index, body) in self.bodies.iter() {
-            if body.broken || !body.is_finite() {
+            if body.asleep && !body.broken {
+                report.asleep += 1;
+            } else if body.broken || !body.is_finite() {
                 report.non_finite.push(self.body_handle(index));
             } else if body.is_dynamic() {
-                report.asleep += usize::from(body.asleep);
                 report.max_speed = report.max_speed.max(body.velocity.length());
             }
         }
@@ -73,7 +74,7 @@ impl World {
 
     /// Reports contacts that carried more than a body asked to hear of.
     pub(crate) fn notice_forces(&mut self, dt: f32) {
-        if self.bodies.iter().all(|(_, body)| body.force_threshold.is_none()) {
+        if !self.scratch.hears_forces {
             return;
         }
         for i in 0..self.contacts.len() {

@@ -22,6 +22,7 @@ const FEW: usize = 200;
 /// Arrays that are used again in each step, so that a settled world allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
+    pub hears_forces: bool,
     pub moved_shapes: Vec<u32>,
     pub moves: Vec<Moves>,
     pub pair_lists: Vec<Vec<(u32, u32)>>,
@@ -114,21 +115,27 @@ impl World {
         }
         let sleeps = self.options.rest.sleep.enabled;
         let (max_speed, max_angular_speed) = self.speed_limits();
+        let mut hears_forces = false;
         for (_, body) in self.bodies.iter_mut() {
             body.previous_pose = body.pose();
+            hears_forces |= body.force_threshold.is_some();
+            if body.asleep && sleeps && !body.edited {
+                continue;
+            }
             body.broken = !(body.is_finite() && body.force.is_finite() && body.torque.is_finite());
             body.limit_speeds(max_speed, max_angular_speed);
             if !sleeps && body.asleep {
                 body.wake();
             }
         }
+        self.scratch.hears_forces = hears_forces;
         true
     }
 
     /// Velocities of kinematic bodies from their targets; gravity and user forces act in each substep.
     pub(crate) fn gather_forces(&mut self, dt: f32) {
         let (max_speed, max_angular_speed) = self.speed_limits();
-        for (_, body) in self.bodies.iter_mut() {
+        for (_, body) in self.bodies.iter_mut().filter(|(_, body)| !body.asleep) {
             body.aim_at_target(dt);
             body.limit_forces(max_speed / dt, max_angular_speed / dt);
         }
@@ -149,7 +156,9 @@ impl World {
                 body.center = target.translation + target.rotation * body.mass.center;
                 body.target_driven = true;
             }
-            (body.force, body.torque) = (crate::math::Vec3::ZERO, crate::math::Vec3::ZERO);
+            if !body.asleep {
+                (body.force, body.torque) = (crate::math::Vec3::ZERO, crate::math::Vec3::ZERO);
+            }
         }
         self.hold_bounds();
         self.time += f64::from(dt);
@@ -159,11 +168,13 @@ impl World {
     fn put_to_rest(&mut self, dt: f32) {
         let (rest, scale) = (self.options.rest.clone(), self.options.length_scale);
         for (_, body) in self.bodies.iter_mut() {
-            body.edited = false;
-        }
-        for (_, body) in self.bodies.iter_mut().filter(|(_, b)| b.is_active()) {
-            sleep::count_rest_time(body, &rest.sleep, scale, dt);
-            aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
+            if body.edited {
+                body.edited = false;
+            }
+            if body.is_active() {
+                sleep::count_rest_time(body, &rest.sleep, scale, dt);
+                aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
+            }
         }
         if rest.sleep.enabled {
             self.put_islands_to_sleep();

@@ -20,7 +20,7 @@ impl World {
         let margin = self.options.contact.speculative_margin * self.options.length_scale;
         let fat = self.options.contact.bounds_margin * self.options.length_scale;
         let (proxies, parts) = (&mut self.scratch.proxies, &mut self.scratch.moves);
-        proxies.reset(self.shapes.slot_count());
+        proxies.begin(self.shapes.slot_count());
         parts.resize_with(self.workers.parts(self.shapes.slot_count()), Moves::default);
         let (bodies, sizes) = (&self.bodies, Margins { dt, margin, fat });
         let whole = (self.shapes.all(), proxies.places());
@@ -176,13 +176,21 @@ struct Margins {
 }
 
 impl Moves {
-    /// Enters a shape; its bounds are made anew if it left them.
+    /// Enters a shape, unless its entry holds; its bounds are made anew if it left them.
     fn enter(&mut self, slot: u32, shape: &mut ShapeState, body: &BodyState, places: &mut Places<'_>, by: &Margins) {
+        let rests = (body.kind == BodyKind::Fixed || body.asleep) && !(body.edited || body.broken || shape.moved);
+        if rests && *places.holds(slot) {
+            return;
+        }
+        *places.holds(slot) = false;
         places.set_bounds(slot, [FatBounds::of(shape); 2]);
         if body.broken {
+            places.leave_out(slot);
             return;
         }
         let (tight, plane) = places.enter(slot, shape, body, by.dt);
+        // Planes are gathered in each step.
+        *places.holds(slot) = rests && plane.is_none();
         self.planes.extend(plane);
         if !(body.is_active() || body.is_moving_kinematic() || shape.moved) {
             return;

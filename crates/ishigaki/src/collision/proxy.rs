@@ -1,7 +1,7 @@
 //! Shapes as the search for contacts sees them in this step: pose, bounds, motion, close together in memory.
 //!
 //! Bodies and shapes are large, and pairs ask for them in an order that no cache foresees. Made anew in each step by
-//! `find_pairs`, for all shapes; nothing moves between that and the narrow phase.
+//! `find_pairs`, but for shapes that rest as they did; nothing moves between that and the narrow phase.
 
 use crate::body::{BodyState, ShapeState};
 use crate::collision::pairs::motion_in_step;
@@ -71,6 +71,8 @@ pub(crate) struct Proxies {
     pub bounds: Vec<[FatBounds; 2]>,
     /// Surfaces of half-spaces, whose bounds tell nothing; few.
     pub planes: Vec<Plane>,
+    /// Entered as it rested: it holds until the shape is moved, its body wakes or is changed.
+    holds: Vec<bool>,
 }
 
 /// Places of neighboring slots: each is written by one thread.
@@ -80,6 +82,7 @@ pub(crate) struct Places<'a> {
     motions: &'a mut [ProxyMotion],
     poses: &'a mut [Pose],
     bounds: &'a mut [[FatBounds; 2]],
+    holds: &'a mut [bool],
 }
 
 impl Cut for Places<'_> {
@@ -89,14 +92,16 @@ impl Cut for Places<'_> {
         let (motions, other_motions) = self.motions.split_at_mut(middle);
         let (poses, other_poses) = self.poses.split_at_mut(middle);
         let (bounds, other_bounds) = self.bounds.split_at_mut(middle);
+        let (holds, other_holds) = self.holds.split_at_mut(middle);
         let others = Self {
             first: self.first + middle as u32,
             shapes: other_shapes,
             motions: other_motions,
             poses: other_poses,
             bounds: other_bounds,
+            holds: other_holds,
         };
-        (Self { first: self.first, shapes, motions, poses, bounds }, others)
+        (Self { first: self.first, shapes, motions, poses, bounds, holds }, others)
     }
 }
 
@@ -110,22 +115,19 @@ pub(crate) struct Plane {
 
 impl Proxies {
     /// Makes room for slots below `count`.
-    pub fn reset(&mut self, count: usize) {
-        self.shapes.clear();
+    pub fn begin(&mut self, count: usize) {
         self.shapes.resize(count, Proxy::NOWHERE);
-        self.motions.clear();
         self.motions.resize(count, ProxyMotion::default());
-        self.poses.clear();
         self.poses.resize(count, Pose::IDENTITY);
-        self.bounds.clear();
         self.bounds.resize(count, [FatBounds::NOWHERE; 2]);
+        self.holds.resize(count, false);
         self.planes.clear();
     }
 
     /// The places of all slots.
     pub fn places(&mut self) -> Places<'_> {
-        let Self { shapes, motions, poses, bounds, .. } = self;
-        Places { first: 0, shapes, motions, poses, bounds }
+        let Self { shapes, motions, poses, bounds, holds, .. } = self;
+        Places { first: 0, shapes, motions, poses, bounds, holds }
     }
 
     /// Speculative margin of a pair, m: contacts are made up to it, or as far as a step takes the pair, but not farther
@@ -189,6 +191,16 @@ impl Places<'_> {
         ((min, max), plane)
     }
 
+    /// Whether the entry of a shape that rests is as it was.
+    pub fn holds(&mut self, slot: u32) -> &mut bool {
+        &mut self.holds[(slot - self.first) as usize]
+    }
+
+    /// A shape of a body that is not finite touches nothing.
+    pub fn leave_out(&mut self, slot: u32) {
+        self.shapes[(slot - self.first) as usize] = Proxy::NOWHERE;
+    }
+
     /// Bounds of a shape in the broad phase, now and before this step.
     pub fn set_bounds(&mut self, slot: u32, bounds: [FatBounds; 2]) {
         self.bounds[(slot - self.first) as usize] = bounds;
@@ -217,7 +229,7 @@ mod tests {
     /// Two shapes, turned and placed at random within reach of each other, thrown about.
     fn placed(random: &mut Random, shapes: [&Shape; 2]) -> Proxies {
         let mut proxies = Proxies::default();
-        proxies.reset(2);
+        proxies.begin(2);
         let mut number = |size: f32| size * ((random.bits() >> 40) as f32 / (1 << 23) as f32 - 1.0);
         for (slot, shape) in (0..).zip(shapes) {
             let mut vector = |size: f32| Vec3::new(number(size), number(size), number(size));

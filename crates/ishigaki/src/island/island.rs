@@ -16,32 +16,25 @@ impl World {
         let mut parents = std::mem::take(&mut self.scratch.parents);
         parents.clear();
         parents.extend(0..slots as u32);
-        self.unite(&mut parents);
-        self.wake_islands(&mut parents);
+        if self.unite(&mut parents) {
+            self.wake_islands(&mut parents);
+        }
         self.number_islands(&mut parents);
         self.scratch.parents = parents;
         self.measure_heights();
     }
 
-    fn unite(&mut self, parents: &mut [u32]) {
+    /// Whether any that are awake are now with some that sleep.
+    fn unite(&mut self, parents: &mut [u32]) -> bool {
+        let mut is_mixed = false;
         for link in self.scratch.links.iter().filter(|link| link.unites) {
-            let [index_a, index_b] = link.bodies;
-            let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
-            if a.is_dynamic() && b.is_dynamic() {
-                unite(parents, index_a, index_b);
-            } else {
-                let_ground_wake(&mut self.bodies, index_a, index_b);
-            }
+            is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
         for (_, joint) in self.joints.iter() {
-            let (index_a, index_b) = (joint.definition.body_a.index, joint.definition.body_b.index);
-            let (a, b) = (self.bodies.at(index_a), self.bodies.at(index_b));
-            if a.is_dynamic() && b.is_dynamic() {
-                unite(parents, index_a, index_b);
-            } else {
-                let_ground_wake(&mut self.bodies, index_a, index_b);
-            }
+            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
+            is_mixed |= unite_ends(&mut self.bodies, parents, ends);
         }
+        is_mixed
     }
 
     fn wake_islands(&mut self, parents: &mut [u32]) {
@@ -103,13 +96,26 @@ impl World {
     }
 }
 
-/// Ground that moves, or that its user changed, wakes what is connected with it.
-fn let_ground_wake(bodies: &mut Arena<BodyState>, a: u32, b: u32) {
+/// Puts both into one island, or lets ground wake what is on it; whether some are awake now that may be with sleepers.
+fn unite_ends(bodies: &mut Arena<BodyState>, parents: &mut [u32], [index_a, index_b]: [u32; 2]) -> bool {
+    let (a, b) = (bodies.at(index_a), bodies.at(index_b));
+    if a.is_dynamic() && b.is_dynamic() {
+        unite(parents, index_a, index_b);
+        a.asleep != b.asleep
+    } else {
+        let_ground_wake(bodies, index_a, index_b)
+    }
+}
+
+/// Ground that moves, or that its user changed, wakes what is connected with it; whether anything slept.
+fn let_ground_wake(bodies: &mut Arena<BodyState>, a: u32, b: u32) -> bool {
+    let mut slept = false;
     for (ground, other) in [(a, b), (b, a)] {
         let ground = bodies.at(ground);
         if !ground.is_dynamic() && ground.is_stirring() {
             let edited = ground.edited;
             let other = bodies.at_mut(other);
+            slept |= other.asleep;
             if edited {
                 other.wake();
             } else {
@@ -118,4 +124,5 @@ fn let_ground_wake(bodies: &mut Arena<BodyState>, a: u32, b: u32) {
             }
         }
     }
+    slept
 }

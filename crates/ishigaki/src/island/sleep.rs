@@ -27,32 +27,35 @@ impl World {
         let restless = &mut self.scratch.restless_islands;
         restless.clear();
         restless.resize(islands, false);
+        let mut carries = false;
         for (_, body) in self.bodies.iter() {
+            carries |= body.is_moving_kinematic();
             if body.is_active() && body.rest_time < time {
                 restless[body.island as usize] = true;
             }
         }
-        for link in self.scratch.links.iter().filter(|link| link.unites) {
-            let [a, b] = link.bodies.map(|slot| self.bodies.at(slot));
-            // A moving platform keeps what lies on it awake.
-            for (body, other) in [(a, b), (b, a)] {
-                if body.is_active() && other.is_moving_kinematic() {
-                    self.scratch.restless_islands[body.island as usize] = true;
-                }
-            }
+        if carries {
+            self.keep_awake_what_is_carried();
         }
-        for (_, joint) in self.joints.iter() {
-            let [a, b] = [joint.definition.body_a, joint.definition.body_b].map(|h| self.bodies.at(h.index));
-            // So does one that pulls by a joint.
-            for (body, other) in [(a, b), (b, a)] {
-                if body.is_active() && other.is_moving_kinematic() {
-                    self.scratch.restless_islands[body.island as usize] = true;
-                }
-            }
+        if self.scratch.restless_islands.iter().all(|&is_restless| is_restless) {
+            return;
         }
         for (_, body) in self.bodies.iter_mut() {
             if body.is_active() && !self.scratch.restless_islands[body.island as usize] {
                 body.put_to_sleep();
+            }
+        }
+    }
+    /// A moving platform keeps what lies on it awake; so does one that pulls by a joint.
+    fn keep_awake_what_is_carried(&mut self) {
+        let links = self.scratch.links.iter().filter(|link| link.unites).map(|link| link.bodies);
+        let joints = self.joints.iter().map(|(_, joint)| [joint.definition.body_a, joint.definition.body_b]);
+        for [a, b] in links.chain(joints.map(|ends| ends.map(|end| end.index))) {
+            let [a, b] = [a, b].map(|slot| self.bodies.at(slot));
+            for (body, other) in [(a, b), (b, a)] {
+                if body.is_active() && other.is_moving_kinematic() {
+                    self.scratch.restless_islands[body.island as usize] = true;
+                }
             }
         }
     }
