@@ -41,20 +41,22 @@ const SCENES: [Scene; 7] = [
 ];
 
 /// What it does, and the end of its function's path; what that calls is counted with it. Smaller ones are inlined.
-const KERNELS: [(&str, &str); 20] = [
+const KERNELS: [(&str, &str); 22] = [
     ("find pairs", "::World::find_pairs"),
     ("update contacts", "::World::update_contacts"),
     ("search for points", "::update::Search::find"),
     ("build islands", "::World::build_islands"),
     ("build rows", "::World::build_rows"),
-    ("colors and rows of contacts", "::batch::Batch::build"),
-    ("waves and blocks of joints", "::joints::Joints::build"),
+    ("batches", "::batch::Batch::build"),
+    ("colors", "::batch::Batch::color"),
+    ("lanes of contacts", "::domain::Part::fill"),
+    ("waves and blocks of joints", "::joints::Joints::arrange"),
     ("solve batches", "::World::solve_batches::{{closure}}"),
     ("warm start", "::batch::Batch::warm_start"),
     ("sweeps", "::batch::Batch::sweep"),
     ("sweeps of joints", "::joints::visit_all"),
     ("rows of joints", "::joints::Joints::aim"),
-    ("residual", "::batch::Batch::inspect"),
+    ("residual", "::domain::Part::inspect"),
     ("level correction", "::World::correct_levels"),
     ("hand-down", "::hand_down::HandDown::solve"),
     ("joint trees: factors", "::joint_tree::JointTree::factor"),

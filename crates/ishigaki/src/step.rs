@@ -16,8 +16,8 @@ use crate::world::World;
 const SHORTEST_STEP: f32 = 1e-9;
 const LONGEST_STEP: f32 = 1e6;
 
-/// Bodies that one thread moves sooner than others wake.
-const FEW: usize = 200;
+/// Bodies awake that one thread moves in the time that several lose by waiting for each other.
+const FEW: usize = 1000;
 
 /// Arrays that are used again in each step, so that a settled world allocates nothing.
 #[derive(Clone, Debug, Default)]
@@ -56,7 +56,11 @@ impl World {
     /// # Ok::<(), ishigaki::Error>(())
     /// ```
     pub fn step(&mut self, dt: f32) -> StepReport {
-        if self.bodies.len() < FEW {
+        let awake = match self.report.bodies {
+            0 => self.bodies.len(),
+            bodies => bodies - self.report.asleep,
+        };
+        if awake < FEW {
             let workers = std::mem::take(&mut self.workers);
             let report = self.step_with(dt, &mut StepContext::default());
             self.workers = workers;

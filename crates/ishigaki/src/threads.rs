@@ -13,7 +13,7 @@ impl Workers {
     /// thread takes longer than most of them.
     pub fn inside<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         #[cfg(feature = "threads")]
-        if let Some(pool) = &self.pool {
+        if let Some(pool) = self.pool.as_ref().filter(|pool| pool.current_thread_index().is_none()) {
             return pool.install(|| {
                 let _awake = Awake::keep(pool);
                 work()
@@ -69,7 +69,9 @@ struct Awake(std::sync::Arc<std::sync::atomic::AtomicBool>);
 
 /// A thread that found no work so often lets others of the machine go first.
 #[cfg(feature = "threads")]
-const PATIENCE: u32 = 200;
+const PATIENCE: u32 = 50;
+#[cfg(feature = "threads")]
+const PAUSE: u32 = 16;
 
 #[cfg(feature = "threads")]
 impl Awake {
@@ -85,7 +87,8 @@ impl Awake {
                     idle = 0;
                 } else if idle < PATIENCE {
                     idle += 1;
-                    std::hint::spin_loop();
+                    // Who looks without pause takes the lists of work out of the caches of those who work.
+                    (0..PAUSE).for_each(|_| std::hint::spin_loop());
                 } else {
                     idle = 0;
                     std::thread::yield_now();
@@ -165,7 +168,8 @@ fn both(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
 #[cfg(feature = "threads")]
 impl crate::World {
     /// Lets a step use this many threads, the caller's among them; 1 is where a world begins. The same bits for any
-    /// number. A clone shares the threads; a world restored from a snapshot has none.
+    /// number. A clone shares the threads; a world restored from a snapshot has none. During [`World::step`](crate::World::step) they keep their
+    /// cores busy, work or not; a world with fewer than 1000 bodies awake is stepped by the caller alone.
     ///
     /// # Errors
     /// No threads, or more than the system gives.

@@ -78,8 +78,8 @@ fn a_large_island_is_the_same_on_any_number_of_threads() {
             }
         }
         let mut turned = Vec::new();
-        for level in 0..42_u16 {
-            for i in 0..42 - level {
+        for level in 0..46_u16 {
+            for i in 0..46 - level {
                 let at =
                     Vec3::new(1.05 * f32::from(i) + 0.525 * f32::from(level), 0.505 + 1.01 * f32::from(level), 0.0);
                 let depth = if i % 3 == 0 { 0.7 } else { 0.5 };

@@ -12,7 +12,8 @@ use crate::solver::wide::lanes::LANES;
 const COLORS: usize = 64;
 
 impl Batch {
-    /// Colors of the manifolds, and blocks for each domain, color and size.
+    /// Colors of the manifolds, and blocks for each domain, color and size. A line of its own in profiles.
+    #[inline(never)]
     pub(super) fn color(&mut self, contacts: &[Contact]) {
         self.used_colors.clear();
         self.used_colors.resize(self.movers.records(), 0);

@@ -29,11 +29,12 @@ impl World {
         let mut batches = std::mem::take(&mut wide.batches);
         let aids = Mutex::new(std::mem::take(&mut wide.aids));
         let lock = || aids.lock().unwrap_or_else(PoisonError::into_inner);
-        self.workers.for_each(&mut batches[..wide.used], |batch| {
+        let solve = |batch: &mut Batch| {
             let mut aid = lock().pop().unwrap_or_default();
             self.solve_batch(machine, batch, &mut aid, dt);
             lock().push(aid);
-        });
+        };
+        self.workers.inside(|| self.workers.for_each(&mut batches[..wide.used], solve));
         wide.aids = aids.into_inner().unwrap_or_else(PoisonError::into_inner);
         wide.batches = batches;
     }

@@ -248,7 +248,8 @@ impl World {
             warm_scale: self.warm_start_scale(dt),
         };
         let machine = Machine { level: wide.level, workers: &self.workers };
-        self.workers.for_each(&mut wide.batches[..wide.used], |batch| batch.build(machine, &source));
+        let batches = &mut wide.batches[..wide.used];
+        self.workers.inside(|| self.workers.for_each(batches, |batch| batch.build(machine, &source)));
         wide.rows = wide.batches[..wide.used].iter().map(|b| (b.rows + b.joints.rows) as usize).sum();
     }
 
