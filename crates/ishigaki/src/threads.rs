@@ -26,8 +26,7 @@ impl Workers {
     pub fn for_each<T: Send>(&self, items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
         #[cfg(feature = "threads")]
         if let Some(pool) = self.pool.as_ref().filter(|_| items.len() > 1) {
-            use rayon::prelude::*;
-            pool.install(|| items.par_iter_mut().with_max_len(1).for_each(work));
+            pool.install(|| each(items, &work));
             return;
         }
         items.iter_mut().for_each(work);
@@ -63,7 +62,8 @@ impl Workers {
     }
 }
 
-/// While it lives, the other threads of the pool look for work without pause.
+/// While it lives, the other threads of the pool look for work without pause. A thread that has a part in its hands, and
+/// while it waits for a piece of that is offered to stay awake, refuses: it would wait for a step that waits for its part.
 #[cfg(feature = "threads")]
 struct Awake(std::sync::Arc<std::sync::atomic::AtomicBool>);
 
@@ -81,6 +81,9 @@ impl Awake {
         let is_over = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
         let (awake, caller) = (Self(is_over.clone()), rayon::current_thread_index());
         pool.spawn_broadcast(move |context| {
+            if AtWork::is_any() {
+                return;
+            }
             let mut idle = 0;
             while Some(context.index()) != caller && !is_over.load(Ordering::Relaxed) {
                 if pool_has_work() {
@@ -103,6 +106,35 @@ impl Awake {
 impl Drop for Awake {
     fn drop(&mut self) {
         self.0.store(true, std::sync::atomic::Ordering::Relaxed);
+    }
+}
+
+#[cfg(feature = "threads")]
+thread_local! {
+    /// How many parts this thread has begun, one within the other.
+    static PARTS: std::cell::Cell<u32> = const { std::cell::Cell::new(0) };
+}
+
+/// While it lives, its thread has a part in its hands.
+#[cfg(feature = "threads")]
+struct AtWork;
+
+#[cfg(feature = "threads")]
+impl AtWork {
+    fn begin() -> Self {
+        PARTS.set(PARTS.get() + 1);
+        Self
+    }
+
+    fn is_any() -> bool {
+        PARTS.get() > 0
+    }
+}
+
+#[cfg(feature = "threads")]
+impl Drop for AtWork {
+    fn drop(&mut self) {
+        PARTS.set(PARTS.get() - 1);
     }
 }
 
@@ -154,10 +186,27 @@ fn halve<W: Cut, T: Send>(whole: W, outputs: &mut [T], work: &(impl Fn(W, &mut T
     }
 }
 
+#[cfg(feature = "threads")]
+fn each<T: Send>(items: &mut [T], work: &(impl Fn(&mut T) + Sync)) {
+    match items {
+        [] => {}
+        [item] => work(item),
+        _ => {
+            let (first, rest) = items.split_at_mut(items.len() / 2);
+            both(|| each(first, work), || each(rest, work));
+        }
+    }
+}
+
 /// Both, side by side on the threads that this is called on.
 fn both(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     #[cfg(feature = "threads")]
     if rayon::current_thread_index().is_some() {
+        let _at_work = AtWork::begin();
+        let b = || {
+            let _at_work = AtWork::begin();
+            b();
+        };
         rayon::join(a, b);
         return;
     }
@@ -196,5 +245,32 @@ impl crate::World {
     /// Threads that a step uses.
     pub fn threads(&self) -> usize {
         self.workers.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+}
+
+#[cfg(all(test, feature = "threads"))]
+mod tests {
+    /// Parts within parts, so many steps that threads meet in every order: one that waits for a part must not begin to
+    /// wait for the end of the step.
+    #[test]
+    fn no_step_waits_for_itself() {
+        for threads in [2, 3, 5] {
+            let mut world = crate::World::default();
+            world.set_threads(threads).unwrap();
+            let workers = &world.workers;
+            let mut sums = [0_u64; 12];
+            for _ in 0..3000 {
+                workers.inside(|| {
+                    let mut items: Vec<u64> = (0..48).collect();
+                    let mut outputs = [0; 12];
+                    workers.in_parts(&mut items[..], &mut outputs, |part, output| {
+                        workers.for_each(part, |item| *item = item.wrapping_mul(3));
+                        *output = part.iter().sum();
+                    });
+                    sums.iter_mut().zip(outputs).for_each(|(sum, output)| *sum += output);
+                });
+            }
+            assert_eq!(sums.iter().sum::<u64>(), 3000 * 3 * (47 * 48 / 2));
+        }
     }
 }
