@@ -56,22 +56,34 @@ impl World {
     /// # Ok::<(), ishigaki::Error>(())
     /// ```
     pub fn step(&mut self, dt: f32) -> StepReport {
-        let awake = match self.report.bodies {
-            0 => self.bodies.len(),
-            bodies => bodies - self.report.asleep,
-        };
-        if awake < FEW {
-            let workers = std::mem::take(&mut self.workers);
-            let report = self.step_with(dt, &mut StepContext::default());
-            self.workers = workers;
-            return report;
+        if self.is_few() {
+            return self.step_with(dt, &mut StepContext::default());
         }
         let workers = self.workers.clone();
         workers.inside(|| self.step_with(dt, &mut StepContext::default()))
     }
 
+    /// Whether one thread takes a step sooner than several would have met.
+    fn is_few(&self) -> bool {
+        let awake = match self.report.bodies {
+            0 => self.bodies.len(),
+            bodies => bodies - self.report.asleep,
+        };
+        awake < FEW
+    }
+
     /// Advances by `dt` seconds with a clock for stage timings and a say in contacts.
     pub fn step_with(&mut self, dt: f32, context: &mut StepContext<'_>) -> StepReport {
+        if !self.is_few() {
+            return self.take_stages(dt, context);
+        }
+        let workers = std::mem::take(&mut self.workers);
+        let report = self.take_stages(dt, context);
+        self.workers = workers;
+        report
+    }
+
+    fn take_stages(&mut self, dt: f32, context: &mut StepContext<'_>) -> StepReport {
         let mut watch = Watch::start(context.clock.as_deref_mut());
         let mut plan = std::mem::take(&mut self.scratch.plan);
 
