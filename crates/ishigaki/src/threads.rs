@@ -58,7 +58,11 @@ impl Workers {
             pool.install(|| halve(whole, outputs, &work));
             return;
         }
-        halve(whole, outputs, &work);
+        // One thread alone has one part of all: `parts`.
+        match outputs {
+            [output] => work(whole, output),
+            _ => debug_assert!(outputs.is_empty()),
+        }
     }
 }
 
@@ -145,9 +149,11 @@ fn pool_has_work() -> bool {
 }
 
 /// Fewer items than this are not worth a thread.
+#[cfg(feature = "threads")]
 const FEW: usize = 128;
 
 /// What can be cut in two.
+#[cfg_attr(not(feature = "threads"), allow(dead_code, reason = "one thread takes all"))]
 pub(crate) trait Cut: Send + Sized {
     /// The first `part` of `of` parts, and the rest.
     fn cut(self, part: usize, of: usize) -> (Self, Self);
@@ -173,6 +179,7 @@ impl<T: Send> Cut for &mut [T] {
     }
 }
 
+#[cfg(feature = "threads")]
 fn halve<W: Cut, T: Send>(whole: W, outputs: &mut [T], work: &(impl Fn(W, &mut T) + Sync)) {
     match outputs {
         [] => {}
@@ -199,8 +206,8 @@ fn each<T: Send>(items: &mut [T], work: &(impl Fn(&mut T) + Sync)) {
 }
 
 /// Both, side by side on the threads that this is called on.
+#[cfg(feature = "threads")]
 fn both(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
-    #[cfg(feature = "threads")]
     if rayon::current_thread_index().is_some() {
         let _at_work = AtWork::begin();
         let b = || {

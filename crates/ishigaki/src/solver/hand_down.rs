@@ -154,13 +154,13 @@ impl HandDown {
     }
 
     /// Fills in `changes` and `pushes`; multiply-adds of that. `support` looks a stand up.
-    pub fn solve(&mut self, support: impl Fn(&Stand) -> Support) -> u64 {
+    pub fn solve(&mut self, support: &dyn Fn(&Stand) -> Support) -> u64 {
         self.sort();
         self.changes.clear();
         let mut work = 0;
         for stands in self.stands.chunk_by(|a, b| a.upper == b.upper) {
             self.standing.clear();
-            self.standing.extend(stands.iter().map(&support));
+            self.standing.extend(stands.iter().map(support));
             let upper = stands[0].upper as usize;
             work += distribute(&mut self.standing, self.needs[upper]);
             for (stand, support) in stands.iter().zip(&self.standing) {
@@ -243,7 +243,7 @@ impl World {
         for (need, body) in work.needs.iter_mut().zip(&plan.bodies) {
             *need = Wrench { linear: -momentum(body), angular: -(body.inertia * body.angular_velocity) };
         }
-        let multiply_adds = work.solve(|stand| self.support_of_rows(plan, stand));
+        let multiply_adds = work.solve(&|stand| self.support_of_rows(plan, stand));
         let mut search = Search::default();
         for (push, body) in work.pushes.iter().zip(&plan.bodies) {
             let (v, w) = moved(push, body);

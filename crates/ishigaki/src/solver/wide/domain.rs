@@ -207,7 +207,7 @@ impl Batch {
 
     /// How many domains there are, the seam aside.
     fn divided(&self) -> usize {
-        self.domains.len() - 1
+        if cfg!(feature = "threads") { self.domains.len() - 1 } else { 1 }
     }
 
     /// The domain of both bodies, or the seam.
@@ -288,8 +288,11 @@ impl Batch {
         }
     }
 
-    /// The seam, if there is one.
+    /// The seam, if there is one: never without threads, so that what is done to it takes no room in a program.
     pub(super) fn seam(&mut self) -> Option<Part<'_>> {
+        if !cfg!(feature = "threads") {
+            return None;
+        }
         let seam = self.divided();
         let is_empty = self.domains[seam].manifolds.is_empty();
         (!is_empty).then(|| self.part(seam..seam + 1))

@@ -18,7 +18,7 @@ impl World {
             let (p, l) = batch.movers.impetus(body, &batch.velocities[body as usize]);
             work.needs[body as usize] = Wrench { linear: -p, angular: -l };
         }
-        batch.outcome.work += work.solve(|stand| self.support(batch, stand));
+        batch.outcome.work += work.solve(&|stand| self.support(batch, stand));
         let (alpha, gain) = search(batch, work).step();
         if gain > 0.0 {
             take(batch, work, alpha);
