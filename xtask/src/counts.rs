@@ -41,7 +41,7 @@ const SCENES: [Scene; 7] = [
 ];
 
 /// What it does, and the end of its function's path; what that calls is counted with it. Smaller ones are inlined.
-const KERNELS: [(&str, &str); 22] = [
+const KERNELS: [(&str, &str); 19] = [
     ("find pairs", "::World::find_pairs"),
     ("update contacts", "::World::update_contacts"),
     ("search for points", "::update::Search::find"),
@@ -61,9 +61,6 @@ const KERNELS: [(&str, &str); 22] = [
     ("hand-down", "::hand_down::HandDown::solve"),
     ("joint trees: factors", "::joint_tree::JointTree::factor"),
     ("joint trees: solution", "::joint_tree::JointTree::solve"),
-    ("motion begins", "::batch::Batch::begin"),
-    ("motion advances", "::batch::Batch::advance"),
-    ("motion ends", "::batch::Batch::end"),
 ];
 
 /// Instructions of a step, by scene, by kernel.
