@@ -26,7 +26,7 @@ impl Workers {
     pub fn for_each<T: Send>(&self, items: &mut [T], work: impl Fn(&mut T) + Sync + Send) {
         #[cfg(feature = "threads")]
         if let Some(pool) = self.pool.as_ref().filter(|_| items.len() > 1) {
-            pool.install(|| each(items, &work));
+            pool.install(|| halve((), items, &|(), item: &mut T| work(item)));
             return;
         }
         items.iter_mut().for_each(work);
@@ -159,6 +159,13 @@ pub(crate) trait Cut: Send + Sized {
     fn cut(self, part: usize, of: usize) -> (Self, Self);
 }
 
+/// Nothing but outputs.
+impl Cut for () {
+    fn cut(self, _part: usize, _of: usize) -> (Self, Self) {
+        ((), ())
+    }
+}
+
 impl<A: Cut, B: Cut> Cut for (A, B) {
     fn cut(self, part: usize, of: usize) -> (Self, Self) {
         let ((a, other_a), (b, other_b)) = (self.0.cut(part, of), self.1.cut(part, of));
@@ -189,18 +196,6 @@ fn halve<W: Cut, T: Send>(whole: W, outputs: &mut [T], work: &(impl Fn(W, &mut T
             let (first, rest) = whole.cut(half, outputs.len());
             let (outputs_of_first, outputs_of_rest) = outputs.split_at_mut(half);
             both(|| halve(first, outputs_of_first, work), || halve(rest, outputs_of_rest, work));
-        }
-    }
-}
-
-#[cfg(feature = "threads")]
-fn each<T: Send>(items: &mut [T], work: &(impl Fn(&mut T) + Sync)) {
-    match items {
-        [] => {}
-        [item] => work(item),
-        _ => {
-            let (first, rest) = items.split_at_mut(items.len() / 2);
-            both(|| each(first, work), || each(rest, work));
         }
     }
 }

@@ -262,3 +262,35 @@ fn a_user_may_put_a_body_to_sleep() {
     run(&mut world, 1);
     assert!(world.body(ball).unwrap().velocity().y < 0.0);
 }
+
+/// What rests keeps its entry in the search for contacts from step to step: it must be made anew when a shelf is moved,
+/// when a sleeper wakes, when a slot is used again; and a restored world, which has no entries, must go on with the same bits.
+#[test]
+fn what_rests_is_found_where_it_is() {
+    let mut world = World::default();
+    floor(&mut world);
+    let shelf = |at: Vec3| Body::fixed(Shape::cuboid(1.0, 0.1, 1.0)).at(at);
+    let moved = world.add_body(shelf(Vec3::new(-8.0, 3.0, 0.0))).unwrap();
+    let removed = world.add_body(shelf(Vec3::new(8.0, 3.0, 0.0))).unwrap();
+    let sleeper = stack(&mut world, 0.0, 1)[0];
+    run(&mut world, 120);
+    assert!(asleep(&world, &[sleeper]));
+    let from_snapshot = World::restore(&world.snapshot()).unwrap();
+    let places = [Vec3::new(-4.0, 2.0, 0.0), Vec3::new(4.0, 1.0, 0.0), Vec3::new(0.0, 0.0, 0.0)];
+    let heights = [2.1, 1.1, 0.5].map(|top| top + 0.25);
+    let go_on = |mut world: World| {
+        let at = Pose::from_parts(places[0], Quat::IDENTITY);
+        world.body_mut(moved).unwrap().set_pose(at).unwrap();
+        world.remove_body(removed);
+        world.add_body(shelf(places[1])).unwrap();
+        let ball = |at: Vec3| Body::dynamic(Shape::ball(0.25)).at(at + 4.0 * Vec3::Y);
+        let balls = places.map(|at| world.add_body(ball(at)).unwrap());
+        run(&mut world, 180);
+        for (ball, height) in balls.into_iter().zip(heights) {
+            let center = world.body(ball).unwrap().center();
+            assert!((center.y - height).abs() < 0.01, "rests at {center}, not at {height}");
+        }
+        world.state_hash()
+    };
+    assert_eq!(go_on(world), go_on(from_snapshot));
+}

@@ -46,6 +46,7 @@ impl World {
             }
         }
     }
+
     /// A moving platform keeps what lies on it awake; so does one that pulls by a joint.
     fn keep_awake_what_is_carried(&mut self) {
         let links = self.scratch.links.iter().filter(|link| link.unites).map(|link| link.bodies);

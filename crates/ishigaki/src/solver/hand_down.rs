@@ -13,7 +13,7 @@
 //! Option: `solver.hand_down`; proved by `tests/hand_down.rs`.
 
 use crate::body::NO_HEIGHT;
-use crate::collision::manifold::Manifold;
+use crate::collision::manifold::{MAX_POINTS, Manifold};
 use crate::math::{Mat3, Vec3, skew, tangents};
 use crate::solver::plan::Plan;
 use crate::solver::table::{Row, SolverBody};
@@ -103,11 +103,8 @@ pub struct Support {
     /// How many points.
     pub count: usize,
     /// The first `count` are of it.
-    pub points: [Point; POINTS],
+    pub points: [Point; MAX_POINTS],
 }
-
-/// Points of a manifold, at most.
-const POINTS: usize = 4;
 
 impl Support {
     /// A manifold whose upper body is on this side, with no impulses yet and all points active.
@@ -115,7 +112,7 @@ impl Support {
         // Impulses are those on A.
         let sign = if side == 0 { 1.0 } else { -1.0 };
         let (t1, t2) = tangents(manifold.normal);
-        let mut points = [Point::default(); POINTS];
+        let mut points = [Point::default(); MAX_POINTS];
         for (to, from) in points.iter_mut().zip(&manifold.points) {
             let arms = [from.arm_a, from.arm_b];
             (to.arm_upper, to.arm_lower, to.is_active) = (arms[side], arms[1 - side], true);
@@ -132,7 +129,7 @@ pub struct HandDown {
     /// the top down.
     pub stands: Vec<Stand>,
     /// By stand, once they are sorted: what hand-down adds to normal and tangents of each point, N·s.
-    pub changes: Vec<[Vec3; POINTS]>,
+    pub changes: Vec<[Vec3; MAX_POINTS]>,
     /// By body: what it is to be rid of, −p.
     pub needs: Vec<Wrench>,
     /// By body: what all changes together push it with.

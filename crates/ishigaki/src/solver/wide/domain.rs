@@ -79,34 +79,21 @@ pub(super) struct Part<'a> {
     pub joints: &'a Joints,
 }
 
-impl Part<'_> {
+impl<'a> Part<'a> {
     /// The only domain, or the seam.
     pub fn domain(&self) -> &Domain {
         &self.domains[0]
     }
 
-    /// What is at hand, with the blocks of one color alone.
-    pub fn of_color(&mut self, color: usize) -> Part<'_> {
-        let first = self.domain().blocks.start;
-        let range = self.domain().colors[color].clone();
-        let blocks = range.start - first..range.end - first;
-        Part {
-            domains: self.domains,
-            slots: self.slots,
-            movers: self.movers,
-            velocities: self.velocities,
-            before: self.before,
-            carried: self.carried,
-            displacements: self.displacements,
-            roots: self.roots,
-            places: self.places,
-            manifolds: self.manifolds,
-            scales: if self.scales.len() == 1 { self.scales } else { &self.scales[blocks.clone()] },
-            counts: &mut self.counts[blocks.clone()],
-            unrest: &mut self.unrest[blocks.clone()],
-            blocks: &mut self.blocks[blocks],
-            joints: self.joints,
-        }
+    /// Which of its blocks have a color.
+    fn blocks_of(&self, color: usize) -> Range<usize> {
+        let (of_color, first) = (&self.domain().colors[color], self.domain().blocks.start);
+        of_color.start - first..of_color.end - first
+    }
+
+    /// Those of some blocks, or one for all.
+    pub fn scales_of(&self, blocks: &Range<usize>) -> &'a [ScaleLanes] {
+        if self.scales.len() == 1 { self.scales } else { &self.scales[blocks.clone()] }
     }
 
     /// Index of a body of the batch in the records of this part.
@@ -267,23 +254,31 @@ impl Batch {
         }
     }
 
-    /// Calls `work` for each color after the other, where visits push bodies.
-    pub(super) fn each_color(&mut self, machine: Machine<'_>, reversed: bool, work: impl Fn(&mut Part<'_>) + Sync) {
+    /// Calls `work` with the blocks of each color after the other, where visits push bodies; with all of them where there
+    /// is one domain, since they lie in the order of colors.
+    pub(super) fn each_color(
+        &mut self,
+        machine: Machine<'_>,
+        reversed: bool,
+        work: impl Fn(&mut Part<'_>, Range<usize>) + Sync,
+    ) {
         let domains = self.divided();
         if domains == 1 {
-            return work(&mut self.part(0..1));
+            let all = self.domains[0].blocks.clone();
+            return work(&mut self.part(0..1), all);
         }
         let colors = self.domains[0].colors.len();
         for color in 0..colors {
             let color = if reversed { colors - 1 - color } else { color };
+            let of_color = |part: &mut Part<'_>| work(part, part.blocks_of(color));
             let blocks: usize = self.domains[..domains].iter().map(|domain| domain.colors[color].len()).sum();
             if blocks > FEW {
-                self.each(machine, |part| work(&mut part.of_color(color)));
-            } else if blocks > 0 {
-                (0..domains).for_each(|domain| work(&mut self.part(domain..domain + 1).of_color(color)));
+                self.each(machine, of_color);
+            } else {
+                (0..domains).for_each(|domain| of_color(&mut self.part(domain..domain + 1)));
             }
             if let Some(mut seam) = self.seam() {
-                work(&mut seam.of_color(color));
+                of_color(&mut seam);
             }
         }
     }

@@ -275,7 +275,7 @@ impl Batch {
     }
 
     fn warm_start(&mut self, machine: Machine<'_>) {
-        self.each_color(machine, false, |part| part.warm_start(machine.level));
+        self.each_color(machine, false, |part, blocks| part.warm_start(machine.level, blocks));
         self.joints.warm_start(machine.level, &mut self.velocities);
     }
 
@@ -299,7 +299,7 @@ impl Batch {
         if visits.reversed {
             self.joints.sweep(level, &mut self.velocities, joints, true, visits.add_up);
         }
-        self.each_color(machine, visits.reversed, |part| part.sweep(level, pass, visits));
+        self.each_color(machine, visits.reversed, |part, blocks| part.sweep(level, pass, visits, blocks));
         if !visits.reversed {
             self.joints.sweep(level, &mut self.velocities, joints, false, visits.add_up);
         }

@@ -19,9 +19,6 @@ pub(crate) struct ContactSums {
     pub impacts: Vec<Touch>,
 }
 
-/// Where one body in so many moves, they are looked up.
-const FEW: usize = 8;
-
 impl World {
     /// Takes over what the batches found, and sums up all contacts.
     pub(crate) fn store_batches(&mut self, wide: &mut Wide, dt: f32) {
@@ -35,12 +32,7 @@ impl World {
             batch.joints.store(&mut self.joints, batch.substeps as f32 / full, dt);
         }
         let batches = &wide.batches[..wide.used];
-        let movers: usize = batches.iter().map(|batch| batch.movers.slots.len()).sum();
-        if FEW * movers < self.bodies.slot_count() {
-            for batch in batches {
-                batch.movers.bodies().for_each(|(record, slot)| batch.movers.store(record, self.bodies.at_mut(slot)));
-            }
-        } else {
+        if wide.used > 0 {
             let mut no_outputs = vec![(); self.workers.parts(self.bodies.slot_count())];
             self.workers.in_parts(self.bodies.all(), &mut no_outputs, |bodies, ()| {
                 for (slot, body) in bodies.objects() {

@@ -6,6 +6,7 @@ use crate::solver::wide::lanes::{LANES, Lane, Record, splat, store};
 use crate::solver::wide::moving::{self, Motion};
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
+use std::ops::Range;
 
 /// What a sweep does beside its visits.
 #[derive(Clone, Copy)]
@@ -45,14 +46,16 @@ impl Part<'_> {
         dispatch!(level, simd => prepare_all(simd, blocks, scales, roots, counts));
     }
 
-    pub fn warm_start(&mut self, level: Level) {
-        let (scales, blocks, velocities) = (self.scales, &*self.blocks, &mut *self.velocities);
+    /// u' += J'ᵀλ for some of the blocks.
+    pub fn warm_start(&mut self, level: Level, range: Range<usize>) {
+        let (scales, blocks, velocities) = (self.scales_of(&range), &self.blocks[range], &mut *self.velocities);
         dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
     }
 
-    pub fn sweep(&mut self, level: Level, pass: &SweepPass, visits: Visits) {
-        let scales = self.scales;
-        let (blocks, velocities, displacements) = (&mut *self.blocks, &mut *self.velocities, &*self.displacements);
+    /// A visit to each of some of the blocks.
+    pub fn sweep(&mut self, level: Level, pass: &SweepPass, visits: Visits, range: Range<usize>) {
+        let (scales, blocks) = (self.scales_of(&range), &mut self.blocks[range]);
+        let (velocities, displacements) = (&mut *self.velocities, &*self.displacements);
         dispatch!(level, simd => sweep(simd, blocks, scales, velocities, displacements, pass, visits));
     }
 
