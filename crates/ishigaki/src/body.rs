@@ -6,8 +6,10 @@ use crate::math::{Pose, Quat, Vec3};
 use crate::shape::{Geometry, HUGE_LENGTH, Shape};
 use serde::{Deserialize, Serialize};
 
+mod role;
 mod state;
 
+pub(crate) use role::Role;
 pub use state::{BodyState, NO_HEIGHT, ShapeId};
 pub(crate) use state::{ShapeState, unlocked};
 

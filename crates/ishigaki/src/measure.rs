@@ -1,8 +1,10 @@
 //! What a step did, measured at its end: counts, energies, momenta, errors; joints that broke; forces to report.
 
+use crate::body::BodyState;
 use crate::event::Event;
 use crate::handle::JointHandle;
 use crate::math::Vec3;
+use crate::report::StepReport;
 use crate::solver::plan::Plan;
 use crate::world::World;
 
@@ -21,42 +23,32 @@ impl World {
         for (_, joint) in self.joints.iter() {
             report.max_joint_error = report.max_joint_error.max(joint.anchor_error);
         }
+        let gravity = self.options.gravity;
+        let mut sums = self.options.report.energy.then(EnergySums::default);
         for (index, body) in self.bodies.iter() {
+            let is_finite = body.is_finite();
             if body.asleep && !body.broken {
                 report.asleep += 1;
-            } else if body.broken || !body.is_finite() {
+            } else if body.broken || !is_finite {
                 report.non_finite.push(self.body_handle(index));
             } else if body.is_dynamic() {
                 report.max_speed = report.max_speed.max(body.velocity.length());
             }
+            if let Some(sums) = sums.as_mut().filter(|_| body.is_dynamic() && is_finite) {
+                sums.add(body, gravity);
+            }
+        }
+        if let Some(sums) = sums {
+            sums.write(&mut report);
         }
         self.report = report;
-        if self.options.report.energy {
-            self.measure_energy();
-        }
-    }
-
-    /// Sums in f64: a thousand terms of one sign lose three digits in f32.
-    fn measure_energy(&mut self) {
-        let (mut kinetic, mut potential) = (0.0_f64, 0.0_f64);
-        let (mut momentum, mut angular) = ([0.0_f64; 3], [0.0_f64; 3]);
-        let gravity = self.options.gravity;
-        let add = |sum: &mut [f64; 3], v: Vec3| sum.iter_mut().zip(v.to_array()).for_each(|(s, x)| *s += f64::from(x));
-        for (_, body) in self.bodies.iter().filter(|(_, b)| b.is_dynamic() && b.is_finite()) {
-            let p = body.mass.mass * body.velocity;
-            kinetic += f64::from(body.kinetic_energy());
-            potential -= f64::from(body.mass.mass * body.gravity_scale) * f64::from(gravity.dot(body.center));
-            add(&mut momentum, p);
-            add(&mut angular, body.angular_momentum + body.center.cross(p));
-        }
-        self.report.kinetic_energy = kinetic as f32;
-        self.report.potential_energy = potential as f32;
-        self.report.momentum = Vec3::from_array(momentum.map(|x| x as f32));
-        self.report.angular_momentum = Vec3::from_array(angular.map(|x| x as f32));
     }
 
     /// Removes joints that carried more than they can.
     pub(crate) fn break_joints(&mut self) {
+        if !self.scratch.joint_links.iter().any(|link| link.breaks) {
+            return;
+        }
         let broken: Vec<(JointHandle, f32, f32)> = self
             .joints()
             .filter_map(|(handle, joint)| {
@@ -91,5 +83,32 @@ impl World {
                 self.events.push(Event::ContactForce { a, b, force });
             }
         }
+    }
+}
+
+/// Sums over bodies in f64: a thousand terms of one sign lose three digits in f32.
+#[derive(Default)]
+struct EnergySums {
+    kinetic: f64,
+    potential: f64,
+    momentum: [f64; 3],
+    angular: [f64; 3],
+}
+
+impl EnergySums {
+    fn add(&mut self, body: &BodyState, gravity: Vec3) {
+        let add = |sum: &mut [f64; 3], v: Vec3| sum.iter_mut().zip(v.to_array()).for_each(|(s, x)| *s += f64::from(x));
+        let p = body.mass.mass * body.velocity;
+        self.kinetic += f64::from(body.kinetic_energy());
+        self.potential -= f64::from(body.mass.mass * body.gravity_scale) * f64::from(gravity.dot(body.center));
+        add(&mut self.momentum, p);
+        add(&mut self.angular, body.angular_momentum + body.center.cross(p));
+    }
+
+    fn write(&self, report: &mut StepReport) {
+        report.kinetic_energy = self.kinetic as f32;
+        report.potential_energy = self.potential as f32;
+        report.momentum = Vec3::from_array(self.momentum.map(|x| x as f32));
+        report.angular_momentum = Vec3::from_array(self.angular.map(|x| x as f32));
     }
 }

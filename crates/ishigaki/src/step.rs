@@ -1,11 +1,14 @@
 //! One step: the ten stages in their order, and nothing else. The stages live in the folders.
 
+use crate::body::Role;
 use crate::collision::link::Link;
 use crate::collision::pairs::Moves;
 use crate::collision::proxy::Proxies;
 use crate::collision::update::Part;
+use crate::constraint::joint_link::JointLink;
 use crate::hooks::StepContext;
 use crate::island::{aggressive_sleep, sleep};
+use crate::math::Vec3;
 use crate::report::{Stage, StepReport};
 use crate::solver::height;
 use crate::solver::plan::{self, Plan};
@@ -31,6 +34,9 @@ pub(crate) struct Scratch {
     pub proxies: Proxies,
     pub narrow: Vec<Part>,
     pub links: Vec<Link>,
+    /// Empty until a step asks for them.
+    pub joint_links: Vec<JointLink>,
+    pub roles: Vec<Role>,
     pub contact_sums: Vec<ContactSums>,
     pub parents: Vec<u32>,
     pub awake_roots: Vec<bool>,
@@ -38,7 +44,6 @@ pub(crate) struct Scratch {
     pub restless_islands: Vec<bool>,
     pub supports: Vec<(u32, u32)>,
     pub heights: Vec<u32>,
-    pub is_ground: Vec<bool>,
     pub height: height::Scratch,
     pub plan: Plan,
 }
@@ -140,6 +145,7 @@ impl World {
             }
             body.broken = !(body.is_finite() && body.force.is_finite() && body.torque.is_finite());
             body.limit_speeds(max_speed, max_angular_speed);
+            body.limit_forces(max_speed / dt, max_angular_speed / dt);
             if !sleeps && body.asleep {
                 body.wake();
             }
@@ -150,10 +156,8 @@ impl World {
 
     /// Velocities of kinematic bodies from their targets; gravity and user forces act in each substep.
     pub(crate) fn gather_forces(&mut self, dt: f32) {
-        let (max_speed, max_angular_speed) = self.speed_limits();
-        for (_, body) in self.bodies.iter_mut().filter(|(_, body)| !body.asleep) {
-            body.aim_at_target(dt);
-            body.limit_forces(max_speed / dt, max_angular_speed / dt);
+        for slot in kinematic(&self.scratch.roles) {
+            self.bodies.at_mut(slot).aim_at_target(dt);
         }
     }
 
@@ -163,18 +167,11 @@ impl World {
         (motion.max_speed * root, motion.max_angular_speed / root)
     }
 
-    /// Exact poses of kinematic bodies, stops at walls, forces forgotten.
+    /// Exact poses of kinematic bodies, stops at walls.
     fn finish_motion(&mut self, dt: f32) {
         self.stop_at_walls();
-        for (_, body) in self.bodies.iter_mut() {
-            if let Some(target) = body.kinematic_target.take() {
-                body.rotation = target.rotation;
-                body.center = target.translation + target.rotation * body.mass.center;
-                body.target_driven = true;
-            }
-            if !body.asleep {
-                (body.force, body.torque) = (crate::math::Vec3::ZERO, crate::math::Vec3::ZERO);
-            }
+        for slot in kinematic(&self.scratch.roles) {
+            self.bodies.at_mut(slot).reach_target();
         }
         self.hold_bounds();
         self.time += f64::from(dt);
@@ -182,14 +179,22 @@ impl World {
     }
 
     fn put_to_rest(&mut self, dt: f32) {
-        let (rest, scale) = (self.options.rest.clone(), self.options.length_scale);
+        let (rest, scale) = (&self.options.rest, self.options.length_scale);
+        let enough = sleep::enough_time(&rest.sleep, scale);
+        let restless = &mut self.scratch.restless_islands;
+        restless.clear();
+        restless.resize(self.report.islands, false);
         for (_, body) in self.bodies.iter_mut() {
             if body.edited {
                 body.edited = false;
             }
+            if !body.asleep {
+                (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
+            }
             if body.is_active() {
                 sleep::count_rest_time(body, &rest.sleep, scale, dt);
                 aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
+                restless[body.island as usize] |= body.rest_time < enough;
             }
         }
         if rest.sleep.enabled {
@@ -199,6 +204,11 @@ impl World {
         self.break_joints();
         self.notice_forces(dt);
     }
+}
+
+/// Slots of the bodies that their users move.
+fn kinematic(roles: &[Role]) -> impl Iterator<Item = u32> {
+    (0..).zip(roles).filter(|(_, role)| role.kinematic).map(|(slot, _)| slot)
 }
 
 /// Laps between stages on the caller's clock.

@@ -383,6 +383,7 @@ impl World {
         };
         let collides = state.definition.collide;
         let handle = JointHandle::from(self.joints.insert(state));
+        self.scratch.joint_links.clear();
         if !collides {
             self.keep_apart(joint_pair);
         }
@@ -415,6 +416,7 @@ impl World {
             state.lambdas = smallvec![0.0; rows];
         }
         state.definition = joint;
+        self.scratch.joint_links.clear();
         self.collect_jointed_pairs();
         Ok(())
     }
@@ -422,6 +424,7 @@ impl World {
     /// Removes a joint; wakes both bodies. `false` if the handle is stale.
     pub fn remove_joint(&mut self, handle: JointHandle) -> bool {
         let Some(joint) = self.joints.remove(handle.into()) else { return false };
+        self.scratch.joint_links.clear();
         for body in [joint.definition.body_a, joint.definition.body_b] {
             if let Some(body) = self.bodies.get_mut(body.into()) {
                 body.wake();

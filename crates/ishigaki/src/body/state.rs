@@ -292,6 +292,15 @@ impl BodyState {
         self.target_driven = false;
     }
 
+    /// Puts a kinematic body exactly where it was sent.
+    pub(crate) fn reach_target(&mut self) {
+        if let Some(target) = self.kinematic_target.take() {
+            self.rotation = target.rotation;
+            self.center = target.translation + target.rotation * self.mass.center;
+            self.target_driven = true;
+        }
+    }
+
     /// Velocity (m/s) and angular velocity (rad/s) with which the coming step begins: those that take a kinematic
     /// body to its target, none where the last target has been reached.
     pub(crate) fn velocities_in_step(&self, dt: f32) -> (Vec3, Vec3) {

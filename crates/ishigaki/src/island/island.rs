@@ -3,7 +3,8 @@
 //! Ground (fixed and kinematic bodies) connects nothing. An island is awake if any of its bodies is; islands are
 //! numbered by their first body, so the numbers do not depend on the order of contacts.
 
-use crate::body::{BodyState, NO_HEIGHT};
+use crate::body::{BodyState, NO_HEIGHT, Role};
+use crate::constraint::joint_link;
 use crate::handle::Arena;
 use crate::solver::height;
 use crate::union_find::{root, unite};
@@ -22,6 +23,7 @@ impl World {
         self.number_islands(&mut parents);
         self.scratch.parents = parents;
         self.measure_heights();
+        self.tell_bodies();
     }
 
     /// Whether any that are awake are now with some that sleep.
@@ -30,9 +32,11 @@ impl World {
         for link in self.scratch.links.iter().filter(|link| link.unites) {
             is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
-        for (_, joint) in self.joints.iter() {
-            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
-            is_mixed |= unite_ends(&mut self.bodies, parents, ends);
+        if self.scratch.joint_links.len() != self.joints.len() {
+            joint_link::collect(&self.joints, &self.bodies, &mut self.scratch.joint_links);
+        }
+        for link in &self.scratch.joint_links {
+            is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
         is_mixed
     }
@@ -53,20 +57,25 @@ impl World {
         }
     }
 
+    /// Roles of all bodies, with the islands of those that are awake.
     fn number_islands(&mut self, parents: &mut [u32]) {
-        let numbers = &mut self.scratch.island_numbers;
+        let (numbers, roles) = (&mut self.scratch.island_numbers, &mut self.scratch.roles);
         numbers.clear();
         numbers.resize(parents.len(), u32::MAX);
+        roles.clear();
+        roles.resize(parents.len(), Role::NOTHING);
         let mut islands = 0;
-        for (index, body) in self.bodies.iter_mut() {
-            if body.is_active() {
+        for (index, body) in self.bodies.iter() {
+            let mut role = Role::of(body);
+            if role.active {
                 let number = &mut numbers[root(parents, index) as usize];
                 if *number == u32::MAX {
                     *number = islands;
                     islands += 1;
                 }
-                body.island = *number;
+                role.island = *number;
             }
+            roles[index as usize] = role;
         }
         self.report.islands = islands as usize;
     }
@@ -77,22 +86,24 @@ impl World {
         supports
             .extend(self.scratch.links.iter().filter(|link| link.bears).map(|link| (link.bodies[0], link.bodies[1])));
         if self.options.solver.height.through_joints {
-            supports.extend(self.joints.iter().map(|(_, j)| (j.definition.body_a.index, j.definition.body_b.index)));
+            supports.extend(self.scratch.joint_links.iter().map(|link| (link.bodies[0], link.bodies[1])));
         }
-        let heights = &mut self.scratch.heights;
+        let (heights, roles) = (&mut self.scratch.heights, &self.scratch.roles);
         heights.clear();
-        heights.resize(self.bodies.slot_count(), NO_HEIGHT);
-        let ground = &mut self.scratch.is_ground;
-        ground.clear();
-        ground.resize(self.bodies.slot_count(), false);
-        for (index, body) in self.bodies.iter() {
-            ground[index as usize] = !body.is_dynamic();
-        }
-        height::heights(&supports, |i| ground[i as usize], &mut self.scratch.height, heights);
-        for (index, body) in self.bodies.iter_mut() {
-            body.height = heights[index as usize];
-        }
+        heights.resize(roles.len(), NO_HEIGHT);
+        height::heights(&supports, |i| roles[i as usize].ground, &mut self.scratch.height, heights);
         self.scratch.supports = supports;
+    }
+
+    /// Tells bodies their height and their island.
+    fn tell_bodies(&mut self) {
+        for (index, body) in self.bodies.iter_mut() {
+            body.height = self.scratch.heights[index as usize];
+            let role = &self.scratch.roles[index as usize];
+            if role.active {
+                body.island = role.island;
+            }
+        }
     }
 }
 

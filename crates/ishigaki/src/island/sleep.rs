@@ -19,22 +19,15 @@ pub(crate) fn count_rest_time(body: &mut BodyState, settings: &Sleep, length_sca
 }
 // ANCHOR_END: count_rest_time
 
+/// How long all bodies of an island must have been slow, s.
+pub(crate) fn enough_time(settings: &Sleep, length_scale: f32) -> f32 {
+    settings.time * length_scale.sqrt()
+}
+
 impl World {
     /// Puts islands to sleep whose bodies have all been slow long enough.
     pub(crate) fn put_islands_to_sleep(&mut self) {
-        let time = self.options.rest.sleep.time * self.options.length_scale.sqrt();
-        let islands = self.report.islands;
-        let restless = &mut self.scratch.restless_islands;
-        restless.clear();
-        restless.resize(islands, false);
-        let mut carries = false;
-        for (_, body) in self.bodies.iter() {
-            carries |= body.is_moving_kinematic();
-            if body.is_active() && body.rest_time < time {
-                restless[body.island as usize] = true;
-            }
-        }
-        if carries {
+        if self.scratch.roles.iter().any(|role| role.moving_ground) {
             self.keep_awake_what_is_carried();
         }
         if self.scratch.restless_islands.iter().all(|&is_restless| is_restless) {
@@ -50,11 +43,10 @@ impl World {
     /// A moving platform keeps what lies on it awake; so does one that pulls by a joint.
     fn keep_awake_what_is_carried(&mut self) {
         let links = self.scratch.links.iter().filter(|link| link.unites).map(|link| link.bodies);
-        let joints = self.joints.iter().map(|(_, joint)| [joint.definition.body_a, joint.definition.body_b]);
-        for [a, b] in links.chain(joints.map(|ends| ends.map(|end| end.index))) {
-            let [a, b] = [a, b].map(|slot| self.bodies.at(slot));
+        for ends in links.chain(self.scratch.joint_links.iter().map(|link| link.bodies)) {
+            let [a, b] = ends.map(|slot| self.scratch.roles[slot as usize]);
             for (body, other) in [(a, b), (b, a)] {
-                if body.is_active() && other.is_moving_kinematic() {
+                if body.active && other.moving_ground {
                     self.scratch.restless_islands[body.island as usize] = true;
                 }
             }

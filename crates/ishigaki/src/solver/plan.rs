@@ -18,7 +18,7 @@ use crate::solver::level_correction::LevelCorrection;
 use crate::solver::manifold_block::{self, ManifoldBlock};
 use crate::solver::reference::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
-use crate::solver::wide::{Wide, joints};
+use crate::solver::wide::Wide;
 use crate::solver::{shock_propagation, weight_amplification, work};
 use crate::union_find::{root, unite};
 use crate::world::World;
@@ -160,14 +160,14 @@ impl World {
         // Whatever does not move is one: the number after the last slot.
         plan.joint_parents.extend(0..=slots as u32);
         let mut found = Jointed { any: false, loops: false, all_balls: true };
-        for (_, joint) in self.joints.iter() {
-            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
-            let is_active = ends.map(|slot| self.bodies.at(slot).is_active());
+        for link in &self.scratch.joint_links {
+            let ends = link.bodies;
+            let is_active = ends.map(|slot| self.scratch.roles[slot as usize].active);
             if is_active == [false, false] || ends.iter().any(|&slot| plan.wide.takes(slot)) {
                 continue;
             }
             found.any = true;
-            found.all_balls &= joints::fits(&joint.definition);
+            found.all_balls &= link.fits;
             let mut roots = [slots as u32; 2];
             for ((root_of, slot), active) in roots.iter_mut().zip(ends).zip(is_active) {
                 plan.is_jointed[slot as usize] |= active;
@@ -188,11 +188,12 @@ impl World {
         plan.movers.clear();
         plan.index_of.clear();
         plan.index_of.resize(self.bodies.slot_count(), 0);
-        for (slot, body) in self.bodies.iter() {
-            let dynamic = body.is_active();
-            if !(dynamic || body.is_moving_kinematic()) || plan.wide.takes(slot) {
+        for (slot, role) in (0..).zip(&self.scratch.roles) {
+            let dynamic = role.active;
+            if !(dynamic || role.moving_ground) || plan.wide.takes(slot) {
                 continue;
             }
+            let body = self.bodies.at(slot);
             plan.index_of[slot as usize] = plan.bodies.len() as u32;
             plan.movers.push(slot);
             plan.bodies.push(SolverBody {
@@ -211,14 +212,15 @@ impl World {
         plan.blocks.clear();
         let scale = self.warm_start_scale(dt) / plan.share;
         let step = self.joint_step(dt / plan.substeps as f32);
-        for (slot, joint) in self.joints.iter_mut() {
-            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
-            let [body_a, body_b] = ends.map(|slot| plan.index_of[slot as usize]);
-            let [a, b] = ends.map(|slot| self.bodies.at(slot));
-            let is_wide = ends.iter().any(|&slot| plan.wide.takes(slot));
-            if is_wide || !(a.is_active() || b.is_active()) || a.broken || b.broken {
+        for link in &self.scratch.joint_links {
+            let [a, b] = link.bodies.map(|slot| self.scratch.roles[slot as usize]);
+            let is_wide = link.bodies.iter().any(|&slot| plan.wide.takes(slot));
+            if is_wide || !(a.active || b.active) || a.broken || b.broken {
                 continue;
             }
+            let (slot, joint) = (link.joint, self.joints.at_mut(link.joint));
+            let [body_a, body_b] = link.bodies.map(|slot| plan.index_of[slot as usize]);
+            let [a, b] = link.bodies.map(|slot| self.bodies.at(slot));
             plan.specs.clear();
             joint.resolved.rows(&joint.definition.kind, &a.frame(), &b.frame(), &step, &mut plan.specs);
             for body in [body_a, body_b] {
@@ -240,7 +242,7 @@ impl World {
         let model = self.options.solver.friction;
         for (index, link) in self.scratch.links.iter().enumerate() {
             let [body_a, body_b] = link.bodies.map(|slot| plan.index_of[slot as usize]);
-            let is_active = |&slot: &u32| self.bodies.at(slot).is_active();
+            let is_active = |&slot: &u32| self.scratch.roles[slot as usize].active;
             if !link.meets || link.batch != Link::NONE || !link.bodies.iter().any(is_active) {
                 continue;
             }

@@ -48,6 +48,8 @@ impl Manifolds {
 
 /// A visit to the point of a ball joint in the wide path: the linear part of its rows is a unit vector each.
 pub const POINT: u64 = 2 * (3 + 9) + 9 + 2 * (3 + 9);
+/// The same of round bodies, whose rows are a vector product with the arm.
+pub const ROUND_POINT: u64 = 2 * (3 + 6) + 9 + 2 * (3 + 6);
 /// A visit there to a row of a joint that turns its bodies only.
 pub const TURN_VISIT: u64 = 6 + 6 + 2;
 /// What a point leaves free of such a row.

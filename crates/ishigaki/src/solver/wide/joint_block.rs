@@ -11,8 +11,8 @@ use crate::solver::wide::lanes::{LANES, Lane, Lane3};
 mod turn;
 mod visit;
 
-pub use turn::{look_ahead, see, turn};
-pub use visit::{add_up, greatest_change, visit, warm_start};
+pub use turn::{Aim, see, turn};
+pub use visit::{add_up, greatest_change, greatest_turn, visit, warm_start};
 
 const ZERO: Lane = [0.0; LANES];
 const ZERO3: Lane3 = [ZERO; 3];
@@ -94,28 +94,14 @@ pub struct DragLanes {
     pub total: Lane3,
 }
 
-/// Eight joints.
+/// Eight joints: what a visit reads comes first, and lies close together.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub struct JointBlock {
     /// Index of A and B in the batch; 0 is whatever does not move.
     pub bodies: [[u32; LANES]; 2],
-    /// Where their poses are.
-    pub poses: [[u32; LANES]; 2],
     /// m^−½.
     pub root: [Lane; 2],
-    /// I^−½, where there are drags: xx, xy, xz, and yy, yz, zz.
-    inertia: [[Lane3; 2]; 2],
-    /// Anchors from the centers of mass, in the axes of the bodies, m.
-    pub anchors: [Lane3; 2],
-    /// `body_from_frame`.
-    pub frames: [[Lane; 4]; 2],
-    /// What is visited.
-    pub parts: Parts,
-    /// Arms at the pose, m.
-    arms: [Lane3; 2],
-    /// J' of the rows along x, y, z for rotations of A and B.
-    angular: [[Lane3; 3]; 2],
     /// L of J'J'ᵀ = L D Lᵀ: 10, 20, 21.
     lower: Lane3,
     /// 1/D.
@@ -126,8 +112,30 @@ pub struct JointBlock {
     arc: Lane3,
     /// Impulse on A in world, N·s.
     pub lambda: Lane3,
+    /// J' of the rows along x, y, z for rotations of A and B; of round bodies the arm times I^−½ takes the place of the first.
+    angular: [[Lane3; 3]; 2],
     /// Summed over the substeps.
     pub total: Lane3,
+    /// Where their poses are.
+    pub poses: [[u32; LANES]; 2],
+    /// Anchors from the centers of mass, in the axes of the bodies, m.
+    pub anchors: [Lane3; 2],
+    /// All moments of inertia of each of the bodies are the same: rows are a vector product.
+    pub is_round: bool,
+    /// Which of the [`TurnLanes`] belong to it; beyond all of them if it asks nothing of rotations.
+    pub turns: u32,
+}
+
+/// What eight joints ask of rotations: twist, cone, friction, damping.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub struct TurnLanes {
+    /// What is visited.
+    pub parts: Parts,
+    /// `body_from_frame`.
+    pub frames: [[Lane; 4]; 2],
+    /// I^−½, where there are drags: xx, xy, xz, and yy, yz, zz.
+    inertia: [[Lane3; 2]; 2],
     /// Friction, damping.
     pub drags: [DragLanes; 2],
     /// Twist, cone.
@@ -135,23 +143,39 @@ pub struct JointBlock {
 }
 
 impl JointBlock {
+    /// In the place of [`Self::turns`]: nothing.
+    pub const NO_TURNS: u32 = u32::MAX;
+
     /// Eight joints that do nothing.
     pub const EMPTY: Self = Self {
         bodies: [[0; LANES]; 2],
-        poses: [[0; LANES]; 2],
         root: [ZERO; 2],
-        inertia: [[ZERO3; 2]; 2],
-        anchors: [ZERO3; 2],
-        frames: [[ZERO, ZERO, ZERO, [1.0; LANES]]; 2],
-        parts: Parts { ranges: false, drags: false },
-        arms: [ZERO3; 2],
-        angular: [[ZERO3; 3]; 2],
         lower: ZERO3,
         inverse_pivots: ZERO3,
         gap: ZERO3,
         arc: ZERO3,
         lambda: ZERO3,
+        angular: [[ZERO3; 3]; 2],
         total: ZERO3,
+        poses: [[0; LANES]; 2],
+        anchors: [ZERO3; 2],
+        is_round: true,
+        turns: Self::NO_TURNS,
+    };
+
+    /// Before all its lanes are filled.
+    pub fn begin(&mut self, turns: u32) {
+        (self.root, self.total) = (Self::EMPTY.root, Self::EMPTY.total);
+        (self.is_round, self.turns) = (true, turns);
+    }
+}
+
+impl TurnLanes {
+    /// Eight joints that turn freely.
+    const EMPTY: Self = Self {
+        parts: Parts { ranges: false, drags: false },
+        frames: [[ZERO, ZERO, ZERO, [1.0; LANES]]; 2],
+        inertia: [[ZERO3; 2]; 2],
         drags: [DragLanes { softness: ZERO, reach: ZERO, lambda: ZERO3, total: ZERO3 }; 2],
         ranges: [RangeLanes {
             limits: [[f32::NEG_INFINITY; LANES], [f32::INFINITY; LANES]],
@@ -169,16 +193,9 @@ impl JointBlock {
         }; 2],
     };
 
-    /// Before all its lanes are filled: what not every joint has is emptied.
-    pub fn begin(&mut self, parts: Parts) {
-        self.parts = parts;
-        (self.root, self.total) = (Self::EMPTY.root, Self::EMPTY.total);
-        if parts.ranges {
-            self.ranges = Self::EMPTY.ranges;
-        }
-        if parts.drags {
-            self.drags = Self::EMPTY.drags;
-        }
+    /// Before its lanes are filled.
+    pub fn new(parts: Parts) -> Self {
+        Self { parts, ..Self::EMPTY }
     }
 
     /// The world axis of a range's angle in a lane.

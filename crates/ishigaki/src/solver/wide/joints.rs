@@ -10,7 +10,9 @@ use crate::constraint::joint::{Joint, JointKind, Range};
 use crate::constraint::part::limit_motor::middle;
 use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
-use crate::solver::wide::joint_block::{self as kernel, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST};
+use crate::solver::wide::joint_block::{
+    self as kernel, Aim, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST, TurnLanes,
+};
 use crate::solver::wide::lanes::{LANES, Record, get, set};
 use crate::solver::wide::mover::{MoverBlock, Movers};
 use crate::solver::wide::moving;
@@ -51,6 +53,8 @@ pub struct Joints {
     pub places: Vec<JointPlace>,
     /// Wave by wave.
     pub blocks: Vec<JointBlock>,
+    /// What some of them ask of rotations.
+    turns: Vec<TurnLanes>,
     /// Rows of the reference that they would be.
     pub rows: u32,
     /// Centers and rotations: the movers, then what does not move.
@@ -101,35 +105,72 @@ impl BallParts {
 }
 
 /// A number of a lane, in the order in which a joint keeps its impulses: `constraint/ball.rs`.
-fn each_impulse(ball: &BallParts, block: &mut JointBlock, lane: usize, mut visit: impl FnMut(&mut f32, &mut f32)) {
-    for (drag, exists) in [(FRICTION, ball.friction > 0.0), (DAMPING, ball.damping > 0.0)] {
-        if exists {
-            let drag = &mut block.drags[drag];
-            (0..3).for_each(|k| visit(&mut drag.lambda[k][lane], &mut drag.total[k][lane]));
+fn each_impulse(
+    ball: &BallParts,
+    block: &mut JointBlock,
+    turns: Option<&mut TurnLanes>,
+    lane: usize,
+    mut visit: impl FnMut(&mut f32),
+) {
+    if let Some(turns) = turns {
+        for (drag, exists) in [(FRICTION, ball.friction > 0.0), (DAMPING, ball.damping > 0.0)] {
+            if exists {
+                turns.drags[drag].lambda.iter_mut().for_each(|lambda| visit(&mut lambda[lane]));
+            }
+        }
+        let twist = ball.twist.map_or([false; 2], |t| [t.lower.is_finite(), t.upper.is_finite()]);
+        for (range, end, exists) in [(TWIST, 0, twist[0]), (TWIST, 1, twist[1]), (CONE, 1, ball.cone.is_some())] {
+            if exists {
+                visit(&mut turns.ranges[range].lambda[end][lane]);
+            }
         }
     }
-    let twist = ball.twist.map_or([false; 2], |t| [t.lower.is_finite(), t.upper.is_finite()]);
-    for (range, end, exists) in [(TWIST, 0, twist[0]), (TWIST, 1, twist[1]), (CONE, 1, ball.cone.is_some())] {
-        if exists {
-            let range = &mut block.ranges[range];
-            visit(&mut range.lambda[end][lane], &mut range.total[end][lane]);
-        }
-    }
-    (0..3).for_each(|k| visit(&mut block.lambda[k][lane], &mut block.total[k][lane]));
+    block.lambda.iter_mut().for_each(|lambda| visit(&mut lambda[lane]));
 }
 
 fn pose_record(center: Vec3, rotation: Quat) -> Record {
     Record([center.x, center.y, center.z, 0.0, rotation.x, rotation.y, rotation.z, rotation.w])
 }
 
+fn fill_turns(turns: &mut TurnLanes, lane: usize, ball: &BallParts, frames: [Quat; 2], h: f32) {
+    for (lanes, frame) in turns.frames.iter_mut().zip(frames) {
+        for (lanes, value) in lanes.iter_mut().zip(frame.to_array()) {
+            lanes[lane] = value;
+        }
+    }
+    if let Some(cone) = ball.cone {
+        turns.ranges[CONE].limits[1][lane] = cone;
+    }
+    if let Some(twist) = &ball.twist {
+        let range = &mut turns.ranges[TWIST];
+        (range.limits[0][lane], range.limits[1][lane]) = (twist.lower, twist.upper);
+        range.middle[lane] = middle(Some(twist));
+    }
+    turns.drags[FRICTION].reach[lane] = h * ball.friction;
+    let softness = 1.0 / (h * ball.damping);
+    if softness.is_finite() {
+        (turns.drags[DAMPING].softness[lane], turns.drags[DAMPING].reach[lane]) = (softness, f32::INFINITY);
+    }
+}
+
 impl JointWork {
-    /// A joint more, with so many ends of ranges at work when the step began.
-    fn add(&mut self, parts: Parts, bearing: u64) {
-        let Parts { ranges, drags } = parts;
-        let ends = if ranges { 3 * work::TURN_VISIT } else { 0 } + bearing * (work::POINT + work::FREE_PART);
-        self.recovery += work::POINT + ends;
-        self.sweep += work::POINT + ends + if drags { 6 * work::TURN_VISIT } else { 0 };
-        self.rows += work::POINT_ROWS + if ranges { work::RANGE_ROWS } else { 0 };
+    /// A joint more, in this lane, with the impulses it had when the step began.
+    fn add(&mut self, block: &JointBlock, turns: Option<&TurnLanes>, lane: usize) {
+        let point = if block.is_round { work::ROUND_POINT } else { work::POINT };
+        let (mut ends, mut drags, mut ranges) = (0, 0, 0);
+        if let Some(turns) = turns {
+            let bears = |&(range, end): &(usize, usize)| turns.ranges[range].lambda[end][lane] > 0.0;
+            let bearing = kernel::ENDS.iter().filter(|end| bears(end)).count() as u64;
+            if turns.parts.ranges {
+                (ends, ranges) = (3 * work::TURN_VISIT + bearing * (point + work::FREE_PART), work::RANGE_ROWS);
+            }
+            if turns.parts.drags {
+                drags = 6 * work::TURN_VISIT;
+            }
+        }
+        self.recovery += point + ends;
+        self.sweep += point + ends + drags;
+        self.rows += work::POINT_ROWS + ranges;
     }
 }
 
@@ -175,6 +216,7 @@ impl Joints {
     pub(crate) fn arrange(&mut self, records: usize) {
         if self.is_empty() {
             self.blocks.clear();
+            self.turns.clear();
             return;
         }
         self.make_waves(records);
@@ -190,6 +232,10 @@ impl Joints {
     pub(crate) fn fill(&mut self, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
         for p in 0..self.places.len() {
             self.fill_joint(p, movers, joints, h, scale);
+        }
+        for place in &self.places {
+            let block = &self.blocks[place.block as usize];
+            self.work.add(block, self.turns.get(block.turns as usize), place.lane as usize);
         }
     }
 
@@ -222,9 +268,9 @@ impl Joints {
         }
     }
 
-    /// Blocks for what was counted. Full ones are written over, but for what not every joint has; those with lanes that
-    /// nothing fills are emptied.
+    /// Blocks for what was counted. Full ones are written over; those with lanes that nothing fills are emptied.
     fn make_blocks(&mut self) {
+        self.turns.clear();
         let mut first = 0;
         for of_wave in &mut self.counts {
             for (kind, count) in of_wave.iter_mut().enumerate() {
@@ -236,7 +282,14 @@ impl Joints {
                 if !count.is_multiple_of(LANES as u32) {
                     self.blocks[end - 1] = JointBlock::EMPTY;
                 }
-                self.blocks[first..end].iter_mut().for_each(|block| block.begin(parts));
+                for block in &mut self.blocks[first..end] {
+                    if parts == Parts::default() {
+                        block.begin(JointBlock::NO_TURNS);
+                    } else {
+                        block.begin(self.turns.len() as u32);
+                        self.turns.push(TurnLanes::new(parts));
+                    }
+                }
                 *count = first as u32;
                 first = end;
             }
@@ -248,60 +301,50 @@ impl Joints {
         let place = self.places[index];
         let (lane, joint) = (place.lane as usize, joints.at(place.joint));
         let block = &mut self.blocks[place.block as usize];
+        let mut turns = self.turns.get_mut(block.turns as usize);
         let resolved = &joint.resolved;
-        let anchors = [(resolved.anchor_a, resolved.frame_a), (resolved.anchor_b, resolved.frame_b)];
-        for (side, (anchor, frame)) in anchors.into_iter().enumerate() {
+        for (side, anchor) in [resolved.anchor_a, resolved.anchor_b].into_iter().enumerate() {
             block.bodies[side][lane] = place.bodies[side];
             block.poses[side][lane] = place.poses[side];
             set(&mut block.anchors[side], lane, anchor);
             block.root[side][lane] = movers.inverse_root_mass(place.bodies[side]);
-            if block.parts.ranges {
-                for (lanes, value) in block.frames[side].iter_mut().zip(frame.to_array()) {
-                    lanes[lane] = value;
-                }
-            }
+            block.is_round &= movers.is_round(place.bodies[side]);
         }
         let ball = BallParts::of(&joint.definition);
-        if let Some(cone) = ball.cone {
-            block.ranges[CONE].limits[1][lane] = cone;
-        }
-        if let Some(twist) = &ball.twist {
-            let range = &mut block.ranges[TWIST];
-            (range.limits[0][lane], range.limits[1][lane]) = (twist.lower, twist.upper);
-            range.middle[lane] = middle(Some(twist));
-        }
-        block.drags[FRICTION].reach[lane] = h * ball.friction;
-        let softness = 1.0 / (h * ball.damping);
-        if softness.is_finite() {
-            (block.drags[DAMPING].softness[lane], block.drags[DAMPING].reach[lane]) = (softness, f32::INFINITY);
+        if let Some(turns) = turns.as_deref_mut() {
+            fill_turns(turns, lane, &ball, [resolved.frame_a, resolved.frame_b], h);
         }
         let mut stored = joint.lambdas.iter();
-        each_impulse(&ball, block, lane, |lambda, _| *lambda = scale * stored.next().copied().unwrap_or(0.0));
-        let bears = |&(range, end): &(usize, usize)| block.ranges[range].lambda[end][lane] > 0.0;
-        let bearing = kernel::ENDS.iter().filter(|end| bears(end)).count() as u64;
-        self.work.add(block.parts, bearing);
+        each_impulse(&ball, block, turns, lane, |lambda| {
+            *lambda = scale * stored.next().copied().unwrap_or(0.0);
+        });
     }
 
     /// Rows for the poses as they are, and what the way along arcs will add to gaps in `h` seconds. `roots` holds I^−½
     /// of all bodies.
     pub fn aim(&mut self, level: Level, movers: &Movers, roots: &[Record], h: f32) {
-        let (blocks, poses, spins) = (&mut self.blocks, &mut self.poses, &mut self.spins);
+        let (blocks, turns, poses, spins) = (&mut self.blocks, &mut self.turns, &mut self.poses, &mut self.spins);
         dispatch!(level, simd => {
             follow(simd, &movers.blocks, poses);
             swing(simd, &movers.blocks, spins);
-            aim_all(simd, blocks, poses, roots, spins, h);
+            turn_all(simd, blocks, turns, &Aim { poses, roots, spins, h });
         });
     }
 
     /// u' += J'ᵀλ.
     pub fn warm_start(&self, level: Level, velocities: &mut [Record]) {
-        let blocks = &self.blocks;
-        dispatch!(level, simd => warm_start_all(simd, blocks, velocities));
+        let (blocks, turns) = (&self.blocks, &self.turns);
+        dispatch!(level, simd => warm_start_all(simd, blocks, turns, velocities));
     }
 
     /// A visit to each joint; with `add_up` λ is what the substep leaves.
     pub fn sweep(&mut self, level: Level, velocities: &mut [Record], pass: &JointPass, reversed: bool, add_up: bool) {
-        visit_all(level, &mut self.blocks, velocities, pass, reversed, add_up);
+        let (blocks, turns) = (&mut self.blocks[..], &mut self.turns[..]);
+        if reversed {
+            dispatch!(level, simd => sweep::<_, true>(simd, blocks, turns, velocities, pass, add_up));
+        } else {
+            dispatch!(level, simd => sweep::<_, false>(simd, blocks, turns, velocities, pass, add_up));
+        }
     }
 
     /// Velocities toward what joints ask for: `joint_recovery.rs`. They are moved along and forgotten.
@@ -315,16 +358,18 @@ impl Joints {
 
     /// Adds λ to the sums over the substeps.
     pub fn add_up(&mut self, level: Level) {
-        let blocks = &mut self.blocks;
-        dispatch!(level, simd => add_up_all(simd, blocks));
+        let (blocks, turns) = (&mut self.blocks, &mut self.turns);
+        dispatch!(level, simd => add_up_all(simd, blocks, turns));
     }
 
     /// Without warm start each substep begins from nothing.
     pub fn forget(&mut self) {
         for block in &mut self.blocks {
             block.lambda = [[0.0; LANES]; 3];
-            block.ranges.iter_mut().for_each(|r| r.lambda = [[0.0; LANES]; 2]);
-            block.drags.iter_mut().for_each(|d| d.lambda = [[0.0; LANES]; 3]);
+        }
+        for turns in &mut self.turns {
+            turns.ranges.iter_mut().for_each(|r| r.lambda = [[0.0; LANES]; 2]);
+            turns.drags.iter_mut().for_each(|d| d.lambda = [[0.0; LANES]; 3]);
         }
     }
 
@@ -337,12 +382,20 @@ impl Joints {
         seen.copy_from_slice(velocities);
         let mut greatest = 0.0;
         for block in &self.blocks {
-            let mut visited = [*block];
-            visit_all(level, &mut visited, &mut seen, pass, false, false);
+            let (mut visited, turns) = ([*block], self.turns.get(block.turns as usize));
+            let mut turned = turns.copied();
+            if turned.is_some() {
+                visited[0].turns = 0;
+            }
+            let all = turned.as_mut_slice();
+            dispatch!(level, simd => sweep::<_, false>(simd, &mut visited, all, &mut seen, pass, false));
             for &body in block.bodies.as_flattened() {
                 seen[body as usize] = velocities[body as usize];
             }
             greatest = kernel::greatest_change(greatest, &visited[0], block);
+            if let (Some(turned), Some(turns)) = (&turned, turns) {
+                greatest = kernel::greatest_turn(greatest, turned, turns);
+            }
         }
         self.pushes = seen;
         greatest
@@ -350,10 +403,10 @@ impl Joints {
 
     /// Errors at the end of the step.
     pub fn see(&mut self, level: Level, movers: &Movers) {
-        let (blocks, poses) = (&mut self.blocks, &mut self.poses);
+        let (blocks, turns, poses) = (&mut self.blocks, &mut self.turns, &mut self.poses);
         dispatch!(level, simd => {
             follow(simd, &movers.blocks, poses);
-            see_all(simd, blocks, poses);
+            see_all(simd, blocks, turns, poses);
         });
     }
 
@@ -361,32 +414,38 @@ impl Joints {
     pub(crate) fn store(&mut self, joints: &mut Arena<JointState>, share: f32, dt: f32) {
         for place in &self.places {
             let (lane, block) = (place.lane as usize, &mut self.blocks[place.block as usize]);
+            let mut turns = self.turns.get_mut(block.turns as usize);
             let joint = joints.at_mut(place.joint);
             let ball = BallParts::of(&joint.definition);
             let mut stored = joint.lambdas.iter_mut();
-            each_impulse(&ball, block, lane, |lambda, _| {
+            each_impulse(&ball, block, turns.as_deref_mut(), lane, |lambda| {
                 if let Some(stored) = stored.next() {
                     *stored = share * *lambda;
                 }
             });
             joint.force = get(&block.total, lane) / dt;
-            // Torques on A: a drag's and an angle's are of B relative to A.
-            let mut torque = Vec3::ZERO;
-            if block.parts.drags {
-                torque -= block.drags.iter().map(|drag| get(&drag.total, lane)).sum::<Vec3>();
-            }
-            joint.angle_error = 0.0;
-            if block.parts.ranges {
-                for (range, end) in kernel::ENDS {
-                    let sign = if end == 0 { 1.0 } else { -1.0 };
-                    torque -= sign * block.ranges[range].total[end][lane] * block.axis(range, lane);
-                    joint.angle_error = joint.angle_error.max(-block.ranges[range].gaps[end][lane]);
-                }
-            }
-            joint.torque = torque / dt;
+            let (torque, error) = turns.map_or((Vec3::ZERO, 0.0), |turns| reaction(turns, lane));
+            (joint.torque, joint.angle_error) = (torque / dt, error);
             joint.anchor_error = get(&block.gap, lane).length();
         }
     }
+}
+
+/// Torque on A, N·m·s, and how far the farthest angle is beyond its range, rad.
+fn reaction(turns: &TurnLanes, lane: usize) -> (Vec3, f32) {
+    let (mut torque, mut error) = (Vec3::ZERO, 0.0_f32);
+    // A drag's and an angle's are of B relative to A.
+    if turns.parts.drags {
+        torque -= turns.drags.iter().map(|drag| get(&drag.total, lane)).sum::<Vec3>();
+    }
+    if turns.parts.ranges {
+        for (range, end) in kernel::ENDS {
+            let sign = if end == 0 { 1.0 } else { -1.0 };
+            torque -= sign * turns.ranges[range].total[end][lane] * turns.axis(range, lane);
+            error = error.max(-turns.ranges[range].gaps[end][lane]);
+        }
+    }
+    (torque, error)
 }
 
 /// Poses of the movers.
@@ -406,32 +465,17 @@ fn swing<S: Simd>(simd: S, movers: &[MoverBlock], spins: &mut [Record]) {
 }
 
 #[inline(always)]
-fn aim_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record], roots: &[Record], spins: &[Record], h: f32) {
+fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes], aim: &Aim<'_>) {
     for block in blocks {
-        kernel::turn(simd, block, poses, roots);
-        kernel::look_ahead(simd, block, spins, h);
+        let turns = turns.get_mut(block.turns as usize);
+        kernel::turn(simd, block, turns, aim);
     }
 }
 
 #[inline(always)]
-fn warm_start_all<S: Simd>(simd: S, blocks: &[JointBlock], velocities: &mut [Record]) {
+fn warm_start_all<S: Simd>(simd: S, blocks: &[JointBlock], turns: &[TurnLanes], velocities: &mut [Record]) {
     for block in blocks {
-        kernel::warm_start(simd, block, velocities);
-    }
-}
-
-fn visit_all(
-    level: Level,
-    blocks: &mut [JointBlock],
-    velocities: &mut [Record],
-    pass: &JointPass,
-    reversed: bool,
-    add_up: bool,
-) {
-    if reversed {
-        dispatch!(level, simd => sweep::<_, true>(simd, blocks, velocities, pass, add_up));
-    } else {
-        dispatch!(level, simd => sweep::<_, false>(simd, blocks, velocities, pass, add_up));
+        kernel::warm_start(simd, block, turns.get(block.turns as usize), velocities);
     }
 }
 
@@ -439,30 +483,34 @@ fn visit_all(
 fn sweep<S: Simd, const REVERSED: bool>(
     simd: S,
     blocks: &mut [JointBlock],
+    turns: &mut [TurnLanes],
     velocities: &mut [Record],
     pass: &JointPass,
     add_up: bool,
 ) {
     let n = blocks.len();
     for i in 0..n {
-        let k = if REVERSED { n - 1 - i } else { i };
-        kernel::visit::<S, REVERSED>(simd, &mut blocks[k], velocities, pass);
+        let block = &mut blocks[if REVERSED { n - 1 - i } else { i }];
+        let mut turns = turns.get_mut(block.turns as usize);
+        kernel::visit::<S, REVERSED>(simd, block, turns.as_deref_mut(), velocities, pass);
         if add_up {
-            kernel::add_up(simd, &mut blocks[k]);
+            kernel::add_up(simd, block, turns);
         }
     }
 }
 
 #[inline(always)]
-fn add_up_all<S: Simd>(simd: S, blocks: &mut [JointBlock]) {
+fn add_up_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes]) {
     for block in blocks {
-        kernel::add_up(simd, block);
+        let turns = turns.get_mut(block.turns as usize);
+        kernel::add_up(simd, block, turns);
     }
 }
 
 #[inline(always)]
-fn see_all<S: Simd>(simd: S, blocks: &mut [JointBlock], poses: &[Record]) {
+fn see_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes], poses: &[Record]) {
     for block in blocks {
-        kernel::see(simd, block, poses);
+        let turns = turns.get_mut(block.turns as usize);
+        kernel::see(simd, block, turns, poses);
     }
 }

@@ -52,7 +52,6 @@ pub struct Wide {
     hangs: Vec<bool>,
     /// Of each island: least and greatest 1/m, 1/kg.
     inverse_masses: Vec<[f32; 2]>,
-    joined: Vec<(u32, u32)>,
     joint_parents: Vec<u32>,
     batch_of_island: Vec<u32>,
     /// Of each island: its number in its batch.
@@ -81,7 +80,6 @@ impl Default for Wide {
             loops: Vec::new(),
             hangs: Vec::new(),
             inverse_masses: Vec::new(),
-            joined: Vec::new(),
             joint_parents: Vec::new(),
             batch_of_island: Vec::new(),
             local_island: Vec::new(),

@@ -254,6 +254,12 @@ impl Movers {
         block.inverse_root_mass[lane]
     }
 
+    /// Whether all moments of inertia of the body with this record are the same; nor does the ground turn.
+    pub fn is_round(&self, record: u32) -> bool {
+        let (block, lane) = self.at(record);
+        block.uneven[lane] == 0.0
+    }
+
     /// v and ω of a mass-weighted velocity.
     pub fn velocities(&self, record: u32, u: &Record) -> (Vec3, Vec3) {
         let ((block, lane), (linear, angular)) = (self.at(record), parts(u));

@@ -11,7 +11,6 @@ use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, Wo
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
 use crate::solver::wide::domain::Machine;
-use crate::solver::wide::joints;
 use crate::solver::wide::lanes::LANES;
 use crate::union_find::{root, unite};
 use crate::world::World;
@@ -92,26 +91,22 @@ impl World {
         wide.sizes.resize(islands, 0);
         wide.inverse_masses.clear();
         wide.inverse_masses.resize(islands, [f32::INFINITY, 0.0]);
-        for (_, body) in self.bodies.iter().filter(|(_, b)| b.is_active()) {
-            let [least, greatest] = &mut wide.inverse_masses[body.island as usize];
-            (*least, *greatest) = (least.min(body.inverse_mass), greatest.max(body.inverse_mass));
-            if body.locked_translation.contains(&true) || body.has_locked_rotation() || body.inverse_mass <= 0.0 {
-                wide.unfit[body.island as usize] = true;
-            }
+        let roles = &self.scratch.roles[..];
+        for role in roles.iter().filter(|role| role.active) {
+            let [least, greatest] = &mut wide.inverse_masses[role.island as usize];
+            (*least, *greatest) = (least.min(role.inverse_mass), greatest.max(role.inverse_mass));
+            wide.unfit[role.island as usize] |= !role.free;
         }
         for link in self.scratch.links.iter().filter(|link| link.meets) {
-            let [a, b] = link.bodies.map(|slot| self.bodies.at(slot));
-            let island = match (a.is_active(), b.is_active()) {
+            let [a, b] = link.bodies.map(|slot| &roles[slot as usize]);
+            let island = match (a.active, b.active) {
                 (true, true) => unite(&mut wide.parents, a.island, b.island),
                 (true, false) => a.island,
                 (false, true) => b.island,
                 (false, false) => continue,
             };
             wide.sizes[island as usize] += link.manifolds;
-            let moving_ground = a.is_moving_kinematic() || b.is_moving_kinematic();
-            if moving_ground || link.asks_much {
-                wide.unfit[island as usize] = true;
-            }
+            wide.unfit[island as usize] |= link.asks_much || a.moving_ground || b.moving_ground;
         }
         self.group_joints(wide);
         for island in 0..islands as u32 {
@@ -144,29 +139,25 @@ impl World {
         }
         wide.joint_counts.clear();
         wide.joint_counts.resize(islands, 0);
-        wide.joined.clear();
-        let slots = self.bodies.slot_count() as u32;
-        for (_, joint) in self.joints.iter() {
-            let ends =
-                [joint.definition.body_a.index, joint.definition.body_b.index].map(|slot| (slot, self.bodies.at(slot)));
-            let island = ends.iter().filter(|(_, body)| body.is_active()).map(|(_, body)| body.island as usize).next();
-            let Some(island) = island.filter(|_| ends.iter().all(|(_, body)| !body.broken)) else { continue };
-            wide.joint_counts[island] += 1;
-            wide.hangs[island] |= ends.iter().any(|(_, body)| !body.is_active());
-            wide.unfit[island] |= !joints::fits(&joint.definition) || ends.iter().any(|(_, b)| b.is_moving_kinematic());
-            // Whatever does not move is one: the number after the last slot.
-            let [a, b] = ends.map(|(slot, body)| if body.is_active() { slot } else { slots });
-            wide.joined.push((a.min(b), a.max(b)));
-        }
-        wide.joined.sort_unstable();
-        wide.joined.dedup();
+        let roles = &self.scratch.roles[..];
+        let ground = roles.len() as u32;
         wide.joint_parents.clear();
-        wide.joint_parents.extend(0..=slots);
-        for &(a, b) in &wide.joined {
-            if root(&mut wide.joint_parents, a) == root(&mut wide.joint_parents, b) {
-                wide.loops[self.bodies.at(a).island as usize] = true;
+        wide.joint_parents.extend(0..=ground);
+        for link in &self.scratch.joint_links {
+            let ends = link.bodies.map(|slot| &roles[slot as usize]);
+            let island = ends.iter().find(|role| role.active).map(|role| role.island as usize);
+            let Some(island) = island.filter(|_| ends.iter().all(|role| !role.broken)) else { continue };
+            wide.joint_counts[island] += 1;
+            wide.hangs[island] |= ends.iter().any(|role| !role.active);
+            wide.unfit[island] |= !link.fits || ends.iter().any(|role| role.moving_ground);
+            // Whatever does not move is one: the number after the last slot.
+            let [a, b] = link.bodies.map(|slot| if roles[slot as usize].active { slot } else { ground });
+            let [root_a, root_b] = [a, b].map(|node| root(&mut wide.joint_parents, node));
+            if root_a != root_b {
+                unite(&mut wide.joint_parents, root_a, root_b);
+            } else if link.is_first {
+                wide.loops[island] = true;
             }
-            unite(&mut wide.joint_parents, a, b);
         }
     }
 
@@ -203,23 +194,23 @@ impl World {
         wide.local_island.resize(wide.parents.len(), NONE);
         wide.island_of.clear();
         wide.island_of.resize(self.bodies.slot_count(), NONE);
-        for (slot, body) in self.bodies.iter().filter(|(_, b)| b.is_active()) {
-            let number = wide.batch_of_island[body.island as usize];
+        for (slot, role) in (0..).zip(&self.scratch.roles).filter(|(_, role)| role.active) {
+            let number = wide.batch_of_island[role.island as usize];
             if number == NONE {
                 continue;
             }
             let batch = &mut wide.batches[number as usize];
             wide.batch_of[slot as usize] = number;
             batch.movers.add(slot);
-            let local = &mut wide.local_island[body.island as usize];
+            let local = &mut wide.local_island[role.island as usize];
             if *local == NONE {
                 *local = batch.islands.len() as u32;
-                batch.islands.push(IslandState { number: body.island, first_body: NONE, ..IslandState::default() });
+                batch.islands.push(IslandState { number: role.island, first_body: NONE, ..IslandState::default() });
             }
             wide.island_of[slot as usize] = *local;
-            let island = &mut batch.islands[*local as usize];
-            if body.height != NO_HEIGHT {
-                island.levels = island.levels.max(body.height);
+            let (island, height) = (&mut batch.islands[*local as usize], self.scratch.heights[slot as usize]);
+            if height != NO_HEIGHT {
+                island.levels = island.levels.max(height);
             }
         }
         let threads = if self.options.solver.wide.by_reference { 1 } else { self.workers.count() };
@@ -231,12 +222,17 @@ impl World {
 
     fn fill_batches(&mut self, wide: &mut Wide, dt: f32) {
         self.place_manifolds(wide);
-        for (slot, joint) in self.joints.iter() {
-            let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
-            let Some(&mover) = ends.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
-            if ends.iter().all(|&s| !self.bodies.at(s).broken) {
-                let bodies = ends.map(|s| wide.index_of[s as usize]);
-                wide.batches[wide.batch_of[mover as usize] as usize].joints.add(slot, joint, bodies, &self.bodies);
+        for link in &self.scratch.joint_links {
+            let Some(&mover) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
+            if link.bodies.iter().all(|&s| !self.scratch.roles[s as usize].broken) {
+                let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
+                let joint = self.joints.at(link.joint);
+                wide.batches[wide.batch_of[mover as usize] as usize].joints.add(
+                    link.joint,
+                    joint,
+                    bodies,
+                    &self.bodies,
+                );
             }
         }
         let source = Source {

@@ -1,6 +1,6 @@
 //! From poses to rows.
 
-use super::{CONE, JointBlock, RangeLanes, TWIST};
+use super::{CONE, JointBlock, RangeLanes, TWIST, TurnLanes};
 use crate::solver::wide::lanes::{
     LANES, Q4, Record, Sides, Symmetric, V3, atan2, gather_poses, inverse, load, splat, store,
 };
@@ -32,39 +32,69 @@ fn poses_of<S: Simd>(simd: S, block: &JointBlock, poses: &[Record]) -> Poses<S> 
     Poses { arm_a, arm_b, rotation_a, rotation_b, gap }
 }
 
-/// Rows for the poses as they are: `constraint/ball.rs`, `block.rs`. `roots` holds I^−½ of all bodies.
+/// What rows at a pose depend on beside the joints.
+#[derive(Clone, Copy)]
+pub struct Aim<'a> {
+    /// Centers and rotations.
+    pub poses: &'a [Record],
+    /// I^−½ of all bodies.
+    pub roots: &'a [Record],
+    /// Angular velocity of each body, and angular acceleration of its free turning.
+    pub spins: &'a [Record],
+    /// Substep, s.
+    pub h: f32,
+}
+
+/// Rows for the poses as they are, `constraint/ball.rs`, `block.rs`, and what the way along arcs adds to the gap in the
+/// substep: `constraint/part/point.rs`.
 #[inline(always)]
-pub fn turn<S: Simd>(simd: S, block: &mut JointBlock, poses: &[Record], roots: &[Record]) {
-    let at = poses_of(simd, block, poses);
-    let roots = [Symmetric::gather(simd, roots, &block.bodies[0]), Symmetric::gather(simd, roots, &block.bodies[1])];
-    if block.parts.drags {
-        for (root, lanes) in roots.iter().zip(&mut block.inertia) {
-            root.upper.store(&mut lanes[0]);
-            root.lower.store(&mut lanes[1]);
-        }
-    }
-    at.arm_a.store(&mut block.arms[0]);
-    at.arm_b.store(&mut block.arms[1]);
+pub fn turn<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnLanes>, aim: &Aim<'_>) {
+    let at = poses_of(simd, block, aim.poses);
+    let [bodies_a, bodies_b] = &block.bodies;
+    let roots = [Symmetric::gather(simd, aim.roots, bodies_a), Symmetric::gather(simd, aim.roots, bodies_b)];
     at.gap.store(&mut block.gap);
     let zero = splat(simd, 0.0);
     let (a, b) = (at.arm_a, at.arm_b);
     // r × e for A, −r × e for B.
     let of_a = [V3 { x: zero, y: a.z, z: -a.y }, V3 { x: -a.z, y: zero, z: a.x }, V3 { x: a.y, y: -a.x, z: zero }];
     let of_b = [V3 { x: zero, y: -b.z, z: b.y }, V3 { x: b.z, y: zero, z: -b.x }, V3 { x: -b.y, y: b.x, z: zero }];
-    let mut rows_a = of_a;
-    let mut rows_b = of_b;
+    let (mut rows_a, mut rows_b) = (of_a, of_b);
     for k in 0..3 {
         rows_a[k] = roots[0].times(of_a[k]);
         rows_b[k] = roots[1].times(of_b[k]);
-        rows_a[k].store(&mut block.angular[0][k]);
-        rows_b[k].store(&mut block.angular[1][k]);
+    }
+    if block.is_round {
+        a.times(roots[0].upper.x).store(&mut block.angular[0][0]);
+        b.times(roots[1].upper.x).store(&mut block.angular[1][0]);
+    } else {
+        for k in 0..3 {
+            rows_a[k].store(&mut block.angular[0][k]);
+            rows_b[k].store(&mut block.angular[1][k]);
+        }
     }
     let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
     let mass = root_a * root_a + root_b * root_b;
     factor(simd, block, mass, &rows_a, &rows_b);
-    if block.parts.ranges {
-        turn_ranges(simd, block, &at, &roots);
+    look_ahead(simd, block, &at, aim);
+    if let Some(turns) = turns {
+        if turns.parts.drags {
+            for (root, lanes) in roots.iter().zip(&mut turns.inertia) {
+                root.upper.store(&mut lanes[0]);
+                root.lower.store(&mut lanes[1]);
+            }
+        }
+        if turns.parts.ranges {
+            turn_ranges(simd, turns, &at, &roots);
+        }
     }
+}
+
+#[inline(always)]
+fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, aim: &Aim<'_>) {
+    let spin = Sides::gather(simd, aim.spins, &block.bodies[0], &block.bodies[1]);
+    let of_a = turning(spin.linear_a, spin.angular_a, at.arm_a);
+    let of_b = turning(spin.linear_b, spin.angular_b, at.arm_b);
+    of_a.minus(of_b).times(splat(simd, 0.5 * aim.h)).store(&mut block.arc);
 }
 
 /// J'J'ᵀ = L D Lᵀ of the point.
@@ -116,9 +146,9 @@ fn constant<S: Simd>(simd: S, v: crate::math::Vec3) -> V3<S> {
 
 /// The angles of twist and cone: `constraint/part/axis.rs`, `twist` and `swing`.
 #[inline(always)]
-fn angles<S: Simd>(simd: S, block: &JointBlock, at: &Poses<S>) -> [Angle<S>; 2] {
-    let frame_a = at.rotation_a.after(Q4::load(simd, &block.frames[0]));
-    let frame_b = at.rotation_b.after(Q4::load(simd, &block.frames[1]));
+fn angles<S: Simd>(simd: S, turns: &TurnLanes, at: &Poses<S>) -> [Angle<S>; 2] {
+    let frame_a = at.rotation_a.after(Q4::load(simd, &turns.frames[0]));
+    let frame_b = at.rotation_b.after(Q4::load(simd, &turns.frames[1]));
     let (one, half) = (splat(simd, 1.0), splat(simd, 0.5));
     let x_axis = crate::math::Vec3::X;
     let a = frame_a.turn(simd, constant(simd, x_axis));
@@ -149,7 +179,7 @@ fn angles<S: Simd>(simd: S, block: &JointBlock, at: &Poses<S>) -> [Angle<S>; 2] 
     let g = sum.times(scale);
     let g = V3 { x: is_some.select(g.x, a.x), y: is_some.select(g.y, a.y), z: is_some.select(g.z, a.z) };
     let trust = is_sure.select(one, half_cosine / least);
-    let middle = load(simd, &block.ranges[TWIST].middle);
+    let middle = load(simd, &turns.ranges[TWIST].middle);
     [Angle { value: nearest_turn(simd, angle, middle), axis: g, trust }, cone]
 }
 
@@ -166,10 +196,10 @@ fn nearest_turn<S: Simd>(simd: S, angle: f32x8<S>, middle: f32x8<S>) -> f32x8<S>
 }
 
 #[inline(always)]
-fn turn_ranges<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, roots: &[Symmetric<S>; 2]) {
-    let [twist, cone] = angles(simd, block, at);
-    turn_range(simd, &mut block.ranges[TWIST], &twist, roots);
-    turn_range(simd, &mut block.ranges[CONE], &cone, roots);
+fn turn_ranges<S: Simd>(simd: S, turns: &mut TurnLanes, at: &Poses<S>, roots: &[Symmetric<S>; 2]) {
+    let [twist, cone] = angles(simd, turns, at);
+    turn_range(simd, &mut turns.ranges[TWIST], &twist, roots);
+    turn_range(simd, &mut turns.ranges[CONE], &cone, roots);
 }
 
 #[inline(always)]
@@ -195,24 +225,14 @@ fn store_gaps<S: Simd>(simd: S, range: &mut RangeLanes, angle: &Angle<S>) {
 
 /// Errors for the poses as they are, without rows.
 #[inline(always)]
-pub fn see<S: Simd>(simd: S, block: &mut JointBlock, poses: &[Record]) {
+pub fn see<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnLanes>, poses: &[Record]) {
     let at = poses_of(simd, block, poses);
     at.gap.store(&mut block.gap);
-    if block.parts.ranges {
-        let [twist, cone] = angles(simd, block, &at);
-        store_gaps(simd, &mut block.ranges[TWIST], &twist);
-        store_gaps(simd, &mut block.ranges[CONE], &cone);
+    if let Some(turns) = turns.filter(|turns| turns.parts.ranges) {
+        let [twist, cone] = angles(simd, turns, &at);
+        store_gaps(simd, &mut turns.ranges[TWIST], &twist);
+        store_gaps(simd, &mut turns.ranges[CONE], &cone);
     }
-}
-
-/// What the way along arcs adds to the gap in a substep of `h` seconds: `constraint/part/point.rs`. `spins` holds the
-/// angular velocity of each pose, and the angular acceleration of its free turning.
-#[inline(always)]
-pub fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, spins: &[Record], h: f32) {
-    let spin = Sides::gather(simd, spins, &block.bodies[0], &block.bodies[1]);
-    let of_a = turning(spin.linear_a, spin.angular_a, V3::load(simd, &block.arms[0]));
-    let of_b = turning(spin.linear_b, spin.angular_b, V3::load(simd, &block.arms[1]));
-    of_a.minus(of_b).times(splat(simd, 0.5 * h)).store(&mut block.arc);
 }
 
 /// ω×(ω×r) + ω̇×r, m/s².

@@ -1,6 +1,6 @@
 //! A visit to a block, in the order of its rows or against it.
 
-use super::{DAMPING, ENDS, FRICTION, JointBlock, JointPass};
+use super::{DAMPING, ENDS, FRICTION, JointBlock, JointPass, RangeLanes, TurnLanes};
 use crate::solver::wide::lanes::{Lane, Lane3, Record, Sides, Symmetric, V3, inverse, load, positive, splat, store};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
@@ -10,34 +10,53 @@ const LEAST_FREE: f32 = 1e-4;
 
 /// One visit to eight joints.
 #[inline(always)]
-pub fn visit<S: Simd, const REVERSED: bool>(simd: S, block: &mut JointBlock, records: &mut [Record], pass: &JointPass) {
+pub fn visit<S: Simd, const REVERSED: bool>(
+    simd: S,
+    block: &mut JointBlock,
+    turns: Option<&mut TurnLanes>,
+    records: &mut [Record],
+    pass: &JointPass,
+) {
     let mut sides = Sides::gather(simd, records, &block.bodies[0], &block.bodies[1]);
-    visit_rows::<S, REVERSED>(simd, block, &mut sides, pass);
+    match turns {
+        Some(turns) => visit_rows::<S, REVERSED>(simd, block, turns, &mut sides, pass),
+        None => solve_point(simd, block, &mut sides, pass, everywhere(simd)),
+    }
     sides.scatter(simd, records, &block.bodies[0], &block.bodies[1]);
 }
 
 #[inline(always)]
-fn visit_rows<S: Simd, const REVERSED: bool>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, pass: &JointPass) {
-    let all = splat(simd, 1.0).simd_gt(splat(simd, 0.0));
-    let drags = block.parts.drags && !pass.by_pose;
+fn everywhere<S: Simd>(simd: S) -> mask32x8<S> {
+    splat(simd, 1.0).simd_gt(splat(simd, 0.0))
+}
+
+#[inline(always)]
+fn visit_rows<S: Simd, const REVERSED: bool>(
+    simd: S,
+    block: &mut JointBlock,
+    turns: &mut TurnLanes,
+    sides: &mut Sides<S>,
+    pass: &JointPass,
+) {
+    let drags = turns.parts.drags && !pass.by_pose;
     if REVERSED {
-        solve_point(simd, block, sides, pass, all);
+        solve_point(simd, block, sides, pass, everywhere(simd));
     } else if drags {
         for drag in [FRICTION, DAMPING] {
-            visit_drag::<S, false>(simd, block, drag, sides);
+            visit_drag::<S, false>(simd, turns, drag, sides);
         }
     }
-    if block.parts.ranges {
+    if turns.parts.ranges {
         for k in 0..ENDS.len() {
             let (range, end) = ENDS[if REVERSED { ENDS.len() - 1 - k } else { k }];
-            visit_end(simd, block, range, end, sides, pass);
+            visit_end(simd, block, &mut turns.ranges[range], end, sides, pass);
         }
     }
     if !REVERSED {
-        solve_point(simd, block, sides, pass, all);
+        solve_point(simd, block, sides, pass, everywhere(simd));
     } else if drags {
         for drag in [DAMPING, FRICTION] {
-            visit_drag::<S, true>(simd, block, drag, sides);
+            visit_drag::<S, true>(simd, turns, drag, sides);
         }
     }
 }
@@ -62,11 +81,8 @@ fn solve_point<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, p
     let relative = sides.relative(root_a, root_b);
     let gap = V3::load(simd, &block.gap).times(splat(simd, pass.recovery));
     let bias = gap.plus(V3::load(simd, &block.arc).times(splat(simd, pass.arc)));
-    let mut w = [relative.x + bias.x, relative.y + bias.y, relative.z + bias.z];
-    for k in 0..3 {
-        let (a, b) = (V3::load(simd, &block.angular[0][k]), V3::load(simd, &block.angular[1][k]));
-        w[k] += a.dot(sides.angular_a) + b.dot(sides.angular_b);
-    }
+    let turned = turned(simd, block, sides.angular_a, sides.angular_b);
+    let w = [relative.x + bias.x + turned[0], relative.y + bias.y + turned[1], relative.z + bias.z + turned[2]];
     let x = substitute(simd, block, w);
     let zero = splat(simd, 0.0);
     let x = [wanted.select(x[0], zero), wanted.select(x[1], zero), wanted.select(x[2], zero)];
@@ -78,6 +94,22 @@ fn solve_point<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, p
     }
 }
 
+/// What rotations add to v_A − v_B at the point.
+#[inline(always)]
+fn turned<S: Simd>(simd: S, block: &JointBlock, of_a: V3<S>, of_b: V3<S>) -> [f32x8<S>; 3] {
+    if block.is_round {
+        let (arm_a, arm_b) = (V3::load(simd, &block.angular[0][0]), V3::load(simd, &block.angular[1][0]));
+        let v = of_a.cross(arm_a).minus(of_b.cross(arm_b));
+        return [v.x, v.y, v.z];
+    }
+    let mut sums = [splat(simd, 0.0); 3];
+    for k in 0..3 {
+        let (a, b) = (V3::load(simd, &block.angular[0][k]), V3::load(simd, &block.angular[1][k]));
+        sums[k] = a.dot(of_a) + b.dot(of_b);
+    }
+    sums
+}
+
 /// u' += J'ᵀλ of the point.
 #[inline(always)]
 fn push_point<S: Simd>(simd: S, block: &JointBlock, sides: &mut Sides<S>, lambda: [f32x8<S>; 3]) {
@@ -85,10 +117,26 @@ fn push_point<S: Simd>(simd: S, block: &JointBlock, sides: &mut Sides<S>, lambda
     let impulse = V3 { x: lambda[0], y: lambda[1], z: lambda[2] };
     sides.linear_a = sides.linear_a.plus(impulse.times(root_a));
     sides.linear_b = sides.linear_b.minus(impulse.times(root_b));
+    if block.is_round {
+        let (arm_a, arm_b) = (V3::load(simd, &block.angular[0][0]), V3::load(simd, &block.angular[1][0]));
+        sides.angular_a = pushed_round(sides.angular_a, arm_a, impulse);
+        sides.angular_b = pushed_round(sides.angular_b, arm_b, impulse.times(splat(simd, -1.0)));
+        return;
+    }
     for k in 0..3 {
         let (a, b) = (V3::load(simd, &block.angular[0][k]), V3::load(simd, &block.angular[1][k]));
         sides.angular_a = sides.angular_a.plus(a.times(lambda[k]));
         sides.angular_b = sides.angular_b.plus(b.times(lambda[k]));
+    }
+}
+
+/// ω' + r' × λ, term by term: to the bit what the rows of bodies that are not round give.
+#[inline(always)]
+fn pushed_round<S: Simd>(spin: V3<S>, arm: V3<S>, impulse: V3<S>) -> V3<S> {
+    V3 {
+        x: spin.x - arm.z * impulse.y + arm.y * impulse.z,
+        y: spin.y + arm.z * impulse.x - arm.x * impulse.z,
+        z: spin.z - arm.y * impulse.x + arm.x * impulse.y,
     }
 }
 
@@ -97,14 +145,13 @@ fn push_point<S: Simd>(simd: S, block: &JointBlock, sides: &mut Sides<S>, lambda
 fn visit_end<S: Simd>(
     simd: S,
     block: &mut JointBlock,
-    index: usize,
+    range: &mut RangeLanes,
     end: usize,
     sides: &mut Sides<S>,
     pass: &JointPass,
 ) {
     let zero = splat(simd, 0.0);
     let sign = splat(simd, if end == 0 { 1.0 } else { -1.0 });
-    let range = &block.ranges[index];
     let (a, b) = (V3::load(simd, &range.angular[0]), V3::load(simd, &range.angular[1]));
     let c = load(simd, &range.gaps[end]);
     let inside = c.simd_ge(zero);
@@ -118,9 +165,8 @@ fn visit_end<S: Simd>(
         return;
     }
     if !range.is_free_mass_known {
-        find_free_mass(simd, block, index);
+        find_free_mass(simd, block, range);
     }
-    let range = &mut block.ranges[index];
     let next = positive(simd, lambda - active.select(w, zero) * load(simd, &range.free_mass));
     let change = active.select(next - lambda, zero);
     store(lambda + change, if pass.by_pose { &mut range.pushed[end] } else { &mut range.lambda[end] });
@@ -132,21 +178,14 @@ fn visit_end<S: Simd>(
 
 /// 1/(J'J'ᵀ) of a range's row with what the point leaves free.
 #[inline(always)]
-fn find_free_mass<S: Simd>(simd: S, block: &mut JointBlock, index: usize) {
-    let range = &block.ranges[index];
+fn find_free_mass<S: Simd>(simd: S, block: &JointBlock, range: &mut RangeLanes) {
     let (a, b) = (V3::load(simd, &range.angular[0]), V3::load(simd, &range.angular[1]));
-    let mut coupling = [splat(simd, 0.0); 3];
-    for k in 0..3 {
-        let (row_a, row_b) = (V3::load(simd, &block.angular[0][k]), V3::load(simd, &block.angular[1][k]));
-        coupling[k] = row_a.dot(a) + row_b.dot(b);
-    }
+    let coupling = turned(simd, block, a, b);
     let x = substitute(simd, block, coupling);
     let k = load(simd, &range.k);
     let free = k - (coupling[0] * x[0] + coupling[1] * x[1] + coupling[2] * x[2]);
     let is_free = free.simd_gt(splat(simd, LEAST_FREE) * k);
-    let mass = is_free.select(inverse(simd, free), inverse(simd, k));
-    let range = &mut block.ranges[index];
-    store(mass, &mut range.free_mass);
+    store(is_free.select(inverse(simd, free), inverse(simd, k)), &mut range.free_mass);
     range.is_free_mass_known = true;
 }
 
@@ -158,9 +197,9 @@ fn axes_of<S: Simd>(simd: S, root: &[Lane3; 2]) -> [V3<S>; 3] {
 
 /// Torques against the turning of B relative to A, about one world axis after the other.
 #[inline(always)]
-fn visit_drag<S: Simd, const REVERSED: bool>(simd: S, block: &mut JointBlock, index: usize, sides: &mut Sides<S>) {
-    let (of_a, of_b) = (axes_of(simd, &block.inertia[0]), axes_of(simd, &block.inertia[1]));
-    let drag = &mut block.drags[index];
+fn visit_drag<S: Simd, const REVERSED: bool>(simd: S, turns: &mut TurnLanes, index: usize, sides: &mut Sides<S>) {
+    let (of_a, of_b) = (axes_of(simd, &turns.inertia[0]), axes_of(simd, &turns.inertia[1]));
+    let drag = &mut turns.drags[index];
     let (softness, reach) = (load(simd, &drag.softness), load(simd, &drag.reach));
     for i in 0..3 {
         let k = if REVERSED { 2 - i } else { i };
@@ -180,21 +219,29 @@ fn visit_drag<S: Simd, const REVERSED: bool>(simd: S, block: &mut JointBlock, in
 
 /// u' += J'ᵀλ for all impulses of a block.
 #[inline(always)]
-pub fn warm_start<S: Simd>(simd: S, block: &JointBlock, velocities: &mut [Record]) {
+pub fn warm_start<S: Simd>(simd: S, block: &JointBlock, turns: Option<&TurnLanes>, velocities: &mut [Record]) {
     let mut sides = Sides::gather(simd, velocities, &block.bodies[0], &block.bodies[1]);
     let impulse = V3::load(simd, &block.lambda);
     push_point(simd, block, &mut sides, [impulse.x, impulse.y, impulse.z]);
-    if block.parts.ranges {
+    if let Some(turns) = turns {
+        push_turns(simd, turns, &mut sides);
+    }
+    sides.scatter(simd, velocities, &block.bodies[0], &block.bodies[1]);
+}
+
+#[inline(always)]
+fn push_turns<S: Simd>(simd: S, turns: &TurnLanes, sides: &mut Sides<S>) {
+    if turns.parts.ranges {
         for (range, end) in ENDS {
-            let range = &block.ranges[range];
+            let range = &turns.ranges[range];
             let push = load(simd, &range.lambda[end]) * splat(simd, if end == 0 { 1.0 } else { -1.0 });
             sides.angular_a = sides.angular_a.plus(V3::load(simd, &range.angular[0]).times(push));
             sides.angular_b = sides.angular_b.plus(V3::load(simd, &range.angular[1]).times(push));
         }
     }
-    if block.parts.drags {
-        let (of_a, of_b) = (axes_of(simd, &block.inertia[0]), axes_of(simd, &block.inertia[1]));
-        for drag in &block.drags {
+    if turns.parts.drags {
+        let (of_a, of_b) = (axes_of(simd, &turns.inertia[0]), axes_of(simd, &turns.inertia[1]));
+        for drag in &turns.drags {
             for k in 0..3 {
                 let lambda = load(simd, &drag.lambda[k]);
                 sides.angular_a = sides.angular_a.minus(of_a[k].times(lambda));
@@ -202,23 +249,23 @@ pub fn warm_start<S: Simd>(simd: S, block: &JointBlock, velocities: &mut [Record
             }
         }
     }
-    sides.scatter(simd, velocities, &block.bodies[0], &block.bodies[1]);
 }
 
 /// Adds λ to the sums over the substeps.
 #[inline(always)]
-pub fn add_up<S: Simd>(simd: S, block: &mut JointBlock) {
+pub fn add_up<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnLanes>) {
     for k in 0..3 {
         store(load(simd, &block.total[k]) + load(simd, &block.lambda[k]), &mut block.total[k]);
     }
-    if block.parts.ranges {
+    let Some(turns) = turns else { return };
+    if turns.parts.ranges {
         for (range, end) in ENDS {
-            let range = &mut block.ranges[range];
+            let range = &mut turns.ranges[range];
             store(load(simd, &range.total[end]) + load(simd, &range.lambda[end]), &mut range.total[end]);
         }
     }
-    if block.parts.drags {
-        for drag in &mut block.drags {
+    if turns.parts.drags {
+        for drag in &mut turns.drags {
             for k in 0..3 {
                 store(load(simd, &drag.total[k]) + load(simd, &drag.lambda[k]), &mut drag.total[k]);
             }
@@ -226,13 +273,18 @@ pub fn add_up<S: Simd>(simd: S, block: &mut JointBlock) {
     }
 }
 
-/// The greatest change of an impulse by a visit, N·s or N·m·s, if it is greater than `least`.
+/// The greatest change of an impulse by a visit to a point, N·s, if it is greater than `least`.
 pub fn greatest_change(least: f32, visited: &JointBlock, block: &JointBlock) -> f32 {
-    let mut greatest = change(least, &visited.lambda, &block.lambda);
-    for (new, old) in visited.ranges.iter().zip(&block.ranges) {
+    change(least, &visited.lambda, &block.lambda)
+}
+
+/// The same of what is asked of rotations, N·m·s.
+pub fn greatest_turn(least: f32, visited: &TurnLanes, turns: &TurnLanes) -> f32 {
+    let mut greatest = least;
+    for (new, old) in visited.ranges.iter().zip(&turns.ranges) {
         greatest = change(greatest, &new.lambda, &old.lambda);
     }
-    for (new, old) in visited.drags.iter().zip(&block.drags) {
+    for (new, old) in visited.drags.iter().zip(&turns.drags) {
         greatest = change(greatest, &new.lambda, &old.lambda);
     }
     greatest

@@ -1,0 +1,52 @@
+//! What the stages after `build_islands` ask of a body, close together in memory: bodies themselves are twenty times as large.
+
+use crate::body::{BodyKind, BodyState};
+
+/// A body in this step, or an empty slot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Role {
+    /// Its island, if it is active.
+    pub island: u32,
+    /// 1/kg.
+    pub inverse_mass: f32,
+    /// The solver moves it.
+    pub active: bool,
+    /// Nothing pushes it.
+    pub ground: bool,
+    /// Its user moves it.
+    pub kinematic: bool,
+    /// Its surface may move without being pushed.
+    pub moving_ground: bool,
+    /// It takes no part: its numbers are not finite.
+    pub broken: bool,
+    /// It has a mass and may move and turn along all axes.
+    pub free: bool,
+}
+
+impl Role {
+    /// An empty slot.
+    pub const NOTHING: Self = Self {
+        island: 0,
+        inverse_mass: 0.0,
+        active: false,
+        ground: false,
+        kinematic: false,
+        moving_ground: false,
+        broken: false,
+        free: false,
+    };
+
+    /// Before it has an island.
+    pub fn of(body: &BodyState) -> Self {
+        Self {
+            island: 0,
+            inverse_mass: body.inverse_mass,
+            active: body.is_active(),
+            ground: !body.is_dynamic(),
+            kinematic: body.kind == BodyKind::Kinematic,
+            moving_ground: body.is_moving_kinematic(),
+            broken: body.broken,
+            free: !body.locked_translation.contains(&true) && !body.has_locked_rotation() && body.inverse_mass > 0.0,
+        }
+    }
+}
