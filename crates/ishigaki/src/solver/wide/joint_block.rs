@@ -102,6 +102,8 @@ pub struct JointBlock {
     pub bodies: [[u32; LANES]; 2],
     /// m^−½.
     pub root: [Lane; 2],
+    /// I^−½ of round bodies, 1/(kg^½·m).
+    pub root_inertia: [Lane; 2],
     /// L of J'J'ᵀ = L D Lᵀ: 10, 20, 21.
     lower: Lane3,
     /// 1/D.
@@ -150,6 +152,7 @@ impl JointBlock {
     pub const EMPTY: Self = Self {
         bodies: [[0; LANES]; 2],
         root: [ZERO; 2],
+        root_inertia: [ZERO; 2],
         lower: ZERO3,
         inverse_pivots: ZERO3,
         gap: ZERO3,

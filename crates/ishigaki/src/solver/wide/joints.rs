@@ -308,6 +308,7 @@ impl Joints {
             block.poses[side][lane] = place.poses[side];
             set(&mut block.anchors[side], lane, anchor);
             block.root[side][lane] = movers.inverse_root_mass(place.bodies[side]);
+            block.root_inertia[side][lane] = movers.inverse_root_inertia(place.bodies[side]);
             block.is_round &= movers.is_round(place.bodies[side]);
         }
         let ball = BallParts::of(&joint.definition);
@@ -325,8 +326,7 @@ impl Joints {
     pub fn aim(&mut self, level: Level, movers: &Movers, roots: &[Record], h: f32) {
         let (blocks, turns, poses, spins) = (&mut self.blocks, &mut self.turns, &mut self.poses, &mut self.spins);
         dispatch!(level, simd => {
-            follow(simd, &movers.blocks, poses);
-            swing(simd, &movers.blocks, spins);
+            follow(simd, &movers.blocks, poses, Some(spins));
             turn_all(simd, blocks, turns, &Aim { poses, roots, spins, h });
         });
     }
@@ -405,7 +405,7 @@ impl Joints {
     pub fn see(&mut self, level: Level, movers: &Movers) {
         let (blocks, turns, poses) = (&mut self.blocks, &mut self.turns, &mut self.poses);
         dispatch!(level, simd => {
-            follow(simd, &movers.blocks, poses);
+            follow(simd, &movers.blocks, poses, None);
             see_all(simd, blocks, turns, poses);
         });
     }
@@ -448,19 +448,15 @@ fn reaction(turns: &TurnLanes, lane: usize) -> (Vec3, f32) {
     (torque, error)
 }
 
-/// Poses of the movers.
+/// Poses of the movers, and how they turn.
 #[inline(always)]
-fn follow<S: Simd>(simd: S, movers: &[MoverBlock], poses: &mut [Record]) {
+fn follow<S: Simd>(simd: S, movers: &[MoverBlock], poses: &mut [Record], spins: Option<&mut [Record]>) {
+    let mut spins = spins.unwrap_or_default().as_chunks_mut().0.iter_mut();
     for (block, poses) in movers.iter().zip(poses.as_chunks_mut().0) {
         moving::pose(simd, block, poses);
-    }
-}
-
-/// How the movers turn.
-#[inline(always)]
-fn swing<S: Simd>(simd: S, movers: &[MoverBlock], spins: &mut [Record]) {
-    for (block, spins) in movers.iter().zip(spins.as_chunks_mut().0) {
-        moving::swing(simd, block, spins);
+        if let Some(spins) = spins.next() {
+            moving::swing(simd, block, spins);
+        }
     }
 }
 

@@ -260,6 +260,12 @@ impl Movers {
         block.uneven[lane] == 0.0
     }
 
+    /// The first of I^−½ of the body with this record: all of it, if it is round.
+    pub fn inverse_root_inertia(&self, record: u32) -> f32 {
+        let (block, lane) = self.at(record);
+        block.inverse_root[0][lane]
+    }
+
     /// v and ω of a mass-weighted velocity.
     pub fn velocities(&self, record: u32, u: &Record) -> (Vec3, Vec3) {
         let ((block, lane), (linear, angular)) = (self.at(record), parts(u));

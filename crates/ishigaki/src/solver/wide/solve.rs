@@ -239,6 +239,9 @@ impl Batch {
 
     /// Inertias of bodies with joints, and rows of their contacts, for the rotations as they are: limbs turn far in a step.
     fn weigh(&mut self, level: Level) {
+        if !self.movers.blocks.iter().any(|block| block.has_weighed) {
+            return;
+        }
         let movers = &mut self.movers.blocks;
         let (roots, old, ways) = (&mut self.roots, &mut self.old_roots, &mut self.displacements);
         let (before, velocities) = (&mut self.before, &mut self.velocities);

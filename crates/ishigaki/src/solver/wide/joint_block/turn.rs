@@ -50,32 +50,15 @@ pub struct Aim<'a> {
 #[inline(always)]
 pub fn turn<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnLanes>, aim: &Aim<'_>) {
     let at = poses_of(simd, block, aim.poses);
+    at.gap.store(&mut block.gap);
+    look_ahead(simd, block, &at, aim);
+    if block.is_round && turns.is_none() {
+        turn_round(simd, block, &at);
+        return;
+    }
     let [bodies_a, bodies_b] = &block.bodies;
     let roots = [Symmetric::gather(simd, aim.roots, bodies_a), Symmetric::gather(simd, aim.roots, bodies_b)];
-    at.gap.store(&mut block.gap);
-    let zero = splat(simd, 0.0);
-    let (a, b) = (at.arm_a, at.arm_b);
-    // r × e for A, −r × e for B.
-    let of_a = [V3 { x: zero, y: a.z, z: -a.y }, V3 { x: -a.z, y: zero, z: a.x }, V3 { x: a.y, y: -a.x, z: zero }];
-    let of_b = [V3 { x: zero, y: -b.z, z: b.y }, V3 { x: b.z, y: zero, z: -b.x }, V3 { x: -b.y, y: b.x, z: zero }];
-    let (mut rows_a, mut rows_b) = (of_a, of_b);
-    for k in 0..3 {
-        rows_a[k] = roots[0].times(of_a[k]);
-        rows_b[k] = roots[1].times(of_b[k]);
-    }
-    if block.is_round {
-        a.times(roots[0].upper.x).store(&mut block.angular[0][0]);
-        b.times(roots[1].upper.x).store(&mut block.angular[1][0]);
-    } else {
-        for k in 0..3 {
-            rows_a[k].store(&mut block.angular[0][k]);
-            rows_b[k].store(&mut block.angular[1][k]);
-        }
-    }
-    let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
-    let mass = root_a * root_a + root_b * root_b;
-    factor(simd, block, mass, &rows_a, &rows_b);
-    look_ahead(simd, block, &at, aim);
+    turn_point(simd, block, &at, &roots);
     if let Some(turns) = turns {
         if turns.parts.drags {
             for (root, lanes) in roots.iter().zip(&mut turns.inertia) {
@@ -89,6 +72,53 @@ pub fn turn<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnLan
     }
 }
 
+/// The rows of the point.
+#[inline(always)]
+fn turn_point<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, roots: &[Symmetric<S>; 2]) {
+    if block.is_round {
+        turn_round(simd, block, at);
+        return;
+    }
+    let zero = splat(simd, 0.0);
+    let (a, b) = (at.arm_a, at.arm_b);
+    // r × e for A, −r × e for B.
+    let of_a = [V3 { x: zero, y: a.z, z: -a.y }, V3 { x: -a.z, y: zero, z: a.x }, V3 { x: a.y, y: -a.x, z: zero }];
+    let of_b = [V3 { x: zero, y: -b.z, z: b.y }, V3 { x: b.z, y: zero, z: -b.x }, V3 { x: -b.y, y: b.x, z: zero }];
+    let (mut a, mut b) = (of_a, of_b);
+    for k in 0..3 {
+        a[k] = roots[0].times(of_a[k]);
+        b[k] = roots[1].times(of_b[k]);
+        a[k].store(&mut block.angular[0][k]);
+        b[k].store(&mut block.angular[1][k]);
+    }
+    let diagonals = [
+        V3 { x: a[0].dot(a[0]), y: a[1].dot(a[1]), z: a[2].dot(a[2]) },
+        V3 { x: b[0].dot(b[0]), y: b[1].dot(b[1]), z: b[2].dot(b[2]) },
+    ];
+    let beside = V3 {
+        x: a[1].dot(a[0]) + b[1].dot(b[0]),
+        y: a[2].dot(a[0]) + b[2].dot(b[0]),
+        z: a[2].dot(a[1]) + b[2].dot(b[1]),
+    };
+    factor(simd, block, &diagonals, beside);
+}
+
+/// The same of round bodies: to the bit what the rows above give.
+#[inline(always)]
+fn turn_round<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>) {
+    let (a, b) = (
+        at.arm_a.times(load(simd, &block.root_inertia[0])),
+        at.arm_b.times(load(simd, &block.root_inertia[1])),
+    );
+    a.store(&mut block.angular[0][0]);
+    b.store(&mut block.angular[1][0]);
+    let (xx, yy, zz) = (a.x * a.x, a.y * a.y, a.z * a.z);
+    let (pp, qq, rr) = (b.x * b.x, b.y * b.y, b.z * b.z);
+    let diagonals = [V3 { x: zz + yy, y: zz + xx, z: yy + xx }, V3 { x: rr + qq, y: rr + pp, z: qq + pp }];
+    let beside = V3 { x: -(a.x * a.y) - b.x * b.y, y: -(a.x * a.z) - b.x * b.z, z: -(a.y * a.z) - b.y * b.z };
+    factor(simd, block, &diagonals, beside);
+}
+
 #[inline(always)]
 fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, aim: &Aim<'_>) {
     let spin = Sides::gather(simd, aim.spins, &block.bodies[0], &block.bodies[1]);
@@ -97,15 +127,14 @@ fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, aim: &Aim
     of_a.minus(of_b).times(splat(simd, 0.5 * aim.h)).store(&mut block.arc);
 }
 
-/// J'J'ᵀ = L D Lᵀ of the point.
+/// J'J'ᵀ = L D Lᵀ of the point; `diagonals` and `beside` (10, 20, 21) are what rotations add to it.
 #[inline(always)]
-fn factor<S: Simd>(simd: S, block: &mut JointBlock, mass: f32x8<S>, a: &[V3<S>; 3], b: &[V3<S>; 3]) {
-    let k00 = mass + a[0].dot(a[0]) + b[0].dot(b[0]);
-    let k10 = a[1].dot(a[0]) + b[1].dot(b[0]);
-    let k11 = mass + a[1].dot(a[1]) + b[1].dot(b[1]);
-    let k20 = a[2].dot(a[0]) + b[2].dot(b[0]);
-    let k21 = a[2].dot(a[1]) + b[2].dot(b[1]);
-    let k22 = mass + a[2].dot(a[2]) + b[2].dot(b[2]);
+fn factor<S: Simd>(simd: S, block: &mut JointBlock, diagonals: &[V3<S>; 2], beside: V3<S>) {
+    let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
+    let mass = root_a * root_a + root_b * root_b;
+    let [a, b] = diagonals;
+    let (k00, k11, k22) = (mass + a.x + b.x, mass + a.y + b.y, mass + a.z + b.z);
+    let (k10, k20, k21) = (beside.x, beside.y, beside.z);
     let d0 = inverse(simd, k00);
     let (l10, l20) = (k10 * d0, k20 * d0);
     let p1 = k11 - l10 * k10;
