@@ -9,7 +9,7 @@ use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::options::{FrictionModel, WorldOptions};
 use crate::solver::penetration_recovery::Recovery;
-use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size};
+use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, TangentLanes};
 use crate::solver::wide::domain::{Domain, Machine, Part, Sums};
 use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record, set};
@@ -48,6 +48,7 @@ pub struct Place {
     pub(super) domain: u8,
     /// Points of its block, at most.
     pub size: Size,
+    pub(super) is_round: bool,
     /// Block.
     pub block: u32,
     /// Lane of the block.
@@ -116,6 +117,8 @@ pub struct Batch {
     pub manifolds: Vec<u32>,
     /// Blocks, domain by domain, and there color by color.
     pub blocks: Vec<ContactBlock>,
+    /// Tangent rows of those whose bodies are not all round, domain by domain.
+    pub tangents: Vec<TangentLanes>,
     /// Of each block where masses are amplified; else one for all.
     pub scales: Vec<ScaleLanes>,
     /// Joints.
@@ -162,7 +165,18 @@ pub(crate) struct Source<'a> {
 impl Place {
     /// A manifold before it has a color.
     pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
-        Self { contact, manifold, bodies, island, color: 0, domain: 0, size: Size::Four, block: 0, lane: 0 }
+        Self {
+            contact,
+            manifold,
+            bodies,
+            island,
+            color: 0,
+            domain: 0,
+            size: Size::Four,
+            is_round: false,
+            block: 0,
+            lane: 0,
+        }
     }
 }
 
@@ -288,7 +302,10 @@ impl Part<'_> {
             set(&mut p.angular_b, lane, point.arm_b);
             p.separation[lane] = point.separation;
             p.lambda[lane] = point.lambda_normal * warm_scale;
-            set(&mut disk.angular_a[0], lane, point.lambda_friction * friction_scale);
+            let friction = point.lambda_friction * friction_scale;
+            for (lanes, value) in disk.inverse.iter_mut().zip(friction.to_array()) {
+                lanes[lane] = value;
+            }
         }
     }
 

@@ -4,9 +4,17 @@
 //! one domain and of about as many points. Colors depend on islands and contacts alone, never on lanes or threads.
 
 use crate::collision::manifold::Contact;
-use crate::solver::wide::batch::Batch;
-use crate::solver::wide::contact_block::{ContactBlock, Size};
+use crate::solver::wide::batch::{Batch, Place};
+use crate::solver::wide::contact_block::{ContactBlock, Size, TangentLanes};
+use crate::solver::wide::domain::KINDS;
 use crate::solver::wide::lanes::LANES;
+
+impl Place {
+    /// Number of the kind of block it is in.
+    fn kind(&self) -> usize {
+        2 * self.size as usize + usize::from(self.is_round)
+    }
+}
 
 /// Colors that are told apart; what finds none of them free gets a color of its own.
 const COLORS: usize = 64;
@@ -32,16 +40,18 @@ impl Batch {
             } else {
                 (color, own_color) = (own_color, own_color + 1);
             }
+            let is_round = place.bodies.iter().all(|&body| self.movers.is_round(body));
             let size = Size::of(contacts[place.contact as usize].manifolds[place.manifold as usize].points.len());
             let domain = self.domain_of(place.bodies);
             let counts_of = &mut self.domains[usize::from(domain)].counts_of;
             colors = colors.max(color as usize + 1);
             if counts_of.len() <= color as usize {
-                counts_of.resize(color as usize + 1, [0; Size::ALL.len()]);
+                counts_of.resize(color as usize + 1, [0; KINDS]);
             }
-            let count = &mut counts_of[color as usize][size as usize];
             let place = &mut self.places[p];
-            (place.color, place.size, place.domain, place.lane) = (color, size, domain, *count);
+            (place.color, place.size, place.is_round, place.domain) = (color, size, is_round, domain);
+            let count = &mut counts_of[color as usize][place.kind()];
+            place.lane = *count;
             *count += 1;
         }
         self.make_blocks(colors);
@@ -51,37 +61,44 @@ impl Batch {
     /// Blocks for what was counted. Full ones are written over as they are, lane by lane: only those with lanes that
     /// nothing fills are emptied.
     fn make_blocks(&mut self, colors: usize) {
-        let (mut first, mut manifolds) = (0, 0);
+        let (mut first, mut manifolds, mut tangents) = (0, 0, 0);
         for domain in &mut self.domains {
-            domain.counts_of.resize(colors, [0; Size::ALL.len()]);
+            domain.counts_of.resize(colors, [0; KINDS]);
             domain.colors.clear();
             (domain.blocks.start, domain.manifolds.start) = (first, manifolds);
+            domain.tangents.start = tangents;
             for of_color in &mut domain.counts_of {
                 let start = first;
-                for (count, size) in of_color.iter_mut().zip(Size::ALL) {
+                for (kind, count) in of_color.iter_mut().enumerate() {
+                    let (size, is_round) = (Size::ALL[kind / 2], kind % 2 == 1);
                     manifolds += *count as usize;
                     let blocks = count.div_ceil(LANES as u32) as usize;
                     if self.blocks.len() < first + blocks {
                         self.blocks.resize(first + blocks, ContactBlock::EMPTY);
                         self.counts.resize(first + blocks, [0.0; LANES]);
                     }
-                    for block in &mut self.blocks[first..first + blocks] {
-                        block.size = size;
-                    }
                     if !count.is_multiple_of(LANES as u32) {
                         let last = first + blocks - 1;
-                        self.blocks[last] = ContactBlock { size, ..ContactBlock::EMPTY };
+                        self.blocks[last] = ContactBlock::EMPTY;
                         self.counts[last] = [0.0; LANES];
+                    }
+                    for block in &mut self.blocks[first..first + blocks] {
+                        (block.size, block.tangents) = (size, ContactBlock::ROUND);
+                        if !is_round {
+                            block.tangents = (tangents - domain.tangents.start) as u32;
+                            tangents += 1;
+                        }
                     }
                     *count = first as u32;
                     first += blocks;
                 }
                 domain.colors.push(start..first);
             }
-            domain.blocks.end = first;
+            (domain.blocks.end, domain.tangents.end) = (first, tangents);
             domain.manifolds.end = domain.manifolds.start;
         }
         self.blocks.truncate(first);
+        self.tangents.resize(tangents, TangentLanes::EMPTY);
         self.counts.truncate(first);
         self.unrest.resize(first, [0.0; LANES]);
         self.manifolds.clear();
@@ -93,7 +110,7 @@ impl Batch {
         for (place, name) in self.places.iter_mut().zip(0..) {
             let domain = &mut self.domains[usize::from(place.domain)];
             let index = place.lane;
-            place.block = domain.counts_of[place.color as usize][place.size as usize] + index / LANES as u32;
+            place.block = domain.counts_of[place.color as usize][place.kind()] + index / LANES as u32;
             place.lane = index % LANES as u32;
             self.manifolds[domain.manifolds.end] = name;
             domain.manifolds.end += 1;

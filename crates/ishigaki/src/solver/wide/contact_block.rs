@@ -73,16 +73,32 @@ macro_rules! by_size {
     };
 }
 
+/// The same for blocks of round bodies, too: `$tangents` is known to be `None` there.
+macro_rules! by_kind {
+    ($tangents:ident, $size:expr, $n:ident => $call:expr) => {
+        match $tangents {
+            Some(_) => by_size!($size, $n => $call),
+            None => {
+                let $tangents = None;
+                by_size!($size, $n => $call)
+            }
+        }
+    };
+}
+
 mod prepare;
+mod rows;
 mod visit;
 
 pub use prepare::{prepare, reweigh};
+use rows::{RowLanes, normal_velocities, point_velocity, push_all, push_normals, push_point, row_of};
 pub use visit::{Unrest, inspect, visit};
 
 /// One point of eight manifolds.
 #[derive(Clone, Copy, Debug)]
 pub struct PointLanes {
-    /// J' of the normal row for rotations of A; while blocks are filled, the arm on A, m.
+    /// J' of the normal row for rotations of A, or, of round bodies, the arm on A times I^−½; while blocks are filled, the
+    /// arm, m.
     pub angular_a: Lane3,
     /// Of B.
     pub angular_b: Lane3,
@@ -103,16 +119,29 @@ pub struct PointLanes {
 /// Friction of one point of eight manifolds.
 #[derive(Clone, Copy, Debug)]
 pub struct DiskLanes {
-    /// J' of the two tangent rows for rotations of A; while blocks are filled, the first holds the impulse in world.
-    pub angular_a: [Lane3; 2],
-    /// Of B.
-    pub angular_b: [Lane3; 2],
-    /// (J'J'ᵀ)⁻¹ of the two rows, row by row, kg.
+    /// (J'J'ᵀ)⁻¹ of the two tangent rows, row by row, kg; while blocks are filled, the first three hold the impulse in
+    /// world, N·s.
     pub inverse: [Lane; 4],
     /// 1 / the greatest eigenvalue of J'J'ᵀ, kg.
     pub step: Lane,
     /// Friction impulses along the tangents, N·s.
     pub lambda: [Lane; 2],
+}
+
+/// J' of the tangent rows of eight manifolds, but of those between round bodies: all moments of inertia of such a body are
+/// the same, and the arm times I^−½ makes all three rows of a point.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub struct TangentLanes {
+    /// For rotations of A, by point and tangent.
+    pub angular_a: [[Lane3; 2]; POINTS],
+    /// Of B.
+    pub angular_b: [[Lane3; 2]; POINTS],
+}
+
+impl TangentLanes {
+    /// Of manifolds that do nothing.
+    pub const EMPTY: Self = Self { angular_a: [[ZERO3; 2]; POINTS], angular_b: [[ZERO3; 2]; POINTS] };
 }
 
 /// Multiples of the inverse masses that a manifold sees: weight amplification.
@@ -149,6 +178,8 @@ pub struct ContactBlock {
     pub deadband: Lane,
     /// Points that the fullest of the eight has: 1, 2 or 4; beyond them nothing is read.
     pub size: Size,
+    /// Which of the [`TangentLanes`] of its domain belong to it; beyond all of them if its bodies are round.
+    pub tangents: u32,
     /// J'J'ᵀ of points 01, 02, 03, 12, 13, 23.
     pub coupling: [Lane; 6],
     /// Normals.
@@ -158,6 +189,9 @@ pub struct ContactBlock {
 }
 
 impl ContactBlock {
+    /// In the place of [`Self::tangents`].
+    pub const ROUND: u32 = u32::MAX;
+
     /// Eight manifolds that do nothing.
     pub const EMPTY: Self = Self {
         body_a: [0; LANES],
@@ -168,6 +202,7 @@ impl ContactBlock {
         friction: ZERO,
         deadband: ZERO,
         size: Size::Four,
+        tangents: Self::ROUND,
         coupling: [ZERO; 6],
         points: [PointLanes {
             angular_a: ZERO3,
@@ -179,13 +214,7 @@ impl ContactBlock {
             bias: ZERO,
             total: ZERO,
         }; POINTS],
-        disks: [DiskLanes {
-            angular_a: [ZERO3; 2],
-            angular_b: [ZERO3; 2],
-            inverse: [ZERO; 4],
-            step: ZERO,
-            lambda: [ZERO; 2],
-        }; POINTS],
+        disks: [DiskLanes { inverse: [ZERO; 4], step: ZERO, lambda: [ZERO; 2] }; POINTS],
     };
 }
 
@@ -240,42 +269,9 @@ impl<S: Simd> Masses<S> {
     }
 }
 
-/// J' of one row: direction, and rotations of A and B.
-#[derive(Clone, Copy)]
-struct RowLanes<S: Simd> {
-    direction: V3<S>,
-    angular_a: V3<S>,
-    angular_b: V3<S>,
-}
-
-impl<S: Simd> RowLanes<S> {
-    /// J'J''ᵀ of two rows.
-    #[inline(always)]
-    fn inner(&self, o: &Self, m: &Masses<S>) -> f32x8<S> {
-        self.direction.dot(o.direction) * (m.root_a * m.push_a + m.root_b * m.push_b)
-            + self.angular_a.dot(o.angular_a) * m.inertia_a
-            + self.angular_b.dot(o.angular_b) * m.inertia_b
-    }
-
-    /// w = J'u'.
-    #[inline(always)]
-    fn velocity(&self, relative: V3<S>, sides: &Sides<S>) -> f32x8<S> {
-        self.direction.dot(relative) + self.angular_a.dot(sides.angular_a) + self.angular_b.dot(sides.angular_b)
-    }
-
-    /// u' += J'ᵀΔλ.
-    #[inline(always)]
-    fn push(&self, delta: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
-        sides.linear_a = sides.linear_a.plus(self.direction.times(delta * m.push_a));
-        sides.linear_b = sides.linear_b.minus(self.direction.times(delta * m.push_b));
-        sides.angular_a = sides.angular_a.plus(self.angular_a.times(delta * m.inertia_a));
-        sides.angular_b = sides.angular_b.plus(self.angular_b.times(delta * m.inertia_b));
-    }
-}
-
 /// The unit vectors of [`crate::math::tangents`], with the same operations.
 #[inline(always)]
-fn tangents<S: Simd>(simd: S, n: V3<S>) -> [V3<S>; 2] {
+fn unit_tangents<S: Simd>(simd: S, n: V3<S>) -> [V3<S>; 2] {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     let sign = n.z.simd_ge(zero).select(one, -one);
     let a = -one / (sign + n.z);
@@ -285,35 +281,34 @@ fn tangents<S: Simd>(simd: S, n: V3<S>) -> [V3<S>; 2] {
 
 /// u' += J'ᵀλ for all impulses of a block.
 #[inline(always)]
-pub fn warm_start<S: Simd>(simd: S, block: &ContactBlock, scale: &ScaleLanes, velocities: &mut [Record]) {
-    by_size!(block.size, N => warm_start_points::<S, N>(simd, block, scale, velocities))
+pub fn warm_start<S: Simd>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    scale: &ScaleLanes,
+    velocities: &mut [Record],
+) {
+    by_kind!(tangents, block.size, N => warm_start_points::<S, N>(simd, block, tangents, scale, velocities))
 }
 
 #[inline(always)]
 fn warm_start_points<S: Simd, const N: usize>(
     simd: S,
     block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
     scale: &ScaleLanes,
     velocities: &mut [Record],
 ) {
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
-    let t = tangents(simd, n);
+    let t = unit_tangents(simd, n);
     let mut sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
     for i in 0..N {
         let (p, disk) = (&block.points[i], &block.disks[i]);
-        row_of(simd, n, &p.angular_a, &p.angular_b).push(load(simd, &p.lambda), &masses, &mut sides);
-        for k in 0..2 {
-            let lambda = load(simd, &disk.lambda[k]);
-            row_of(simd, t[k], &disk.angular_a[k], &disk.angular_b[k]).push(lambda, &masses, &mut sides);
-        }
+        let lambda = [load(simd, &p.lambda), load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
+        push_all(simd, block, tangents, i, [n, t[0], t[1]], lambda, &masses, &mut sides);
     }
     sides.scatter(simd, velocities, &block.body_a, &block.body_b);
-}
-
-#[inline(always)]
-fn row_of<S: Simd>(simd: S, direction: V3<S>, angular_a: &Lane3, angular_b: &Lane3) -> RowLanes<S> {
-    RowLanes { direction, angular_a: V3::load(simd, angular_a), angular_b: V3::load(simd, angular_b) }
 }
 
 /// What becomes of the biases of the normals before a visit.
@@ -331,14 +326,22 @@ pub enum Biases {
 
 /// Biases of the normals for the displacements as they are.
 #[inline(always)]
-pub fn measure<S: Simd>(simd: S, block: &mut ContactBlock, displacements: &[Record], pass: &SweepPass, biases: Biases) {
-    by_size!(block.size, N => measure_points::<S, N>(simd, block, displacements, pass, biases))
+pub fn measure<S: Simd>(
+    simd: S,
+    block: &mut ContactBlock,
+    tangents: Option<&TangentLanes>,
+    displacements: &[Record],
+    pass: &SweepPass,
+    biases: Biases,
+) {
+    by_kind!(tangents, block.size, N => measure_points::<S, N>(simd, block, tangents, displacements, pass, biases))
 }
 
 #[inline(always)]
 fn measure_points<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
+    tangents: Option<&TangentLanes>,
     displacements: &[Record],
     pass: &SweepPass,
     biases: Biases,
@@ -346,11 +349,11 @@ fn measure_points<S: Simd, const N: usize>(
     let n = V3::load(simd, &block.normal);
     let moved = Sides::gather(simd, displacements, &block.body_a, &block.body_b);
     let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
+    let ways = normal_velocities::<S, N>(simd, block, tangents, n, relative, &moved);
     let zero = splat(simd, 0.0);
     let (h, deadband) = (splat(simd, pass.h), load(simd, &block.deadband));
-    for p in &mut block.points[..N] {
-        let row = row_of(simd, n, &p.angular_a, &p.angular_b);
-        let s = load(simd, &p.separation) + row.velocity(relative, &moved);
+    for (p, way) in block.points[..N].iter_mut().zip(ways) {
+        let s = load(simd, &p.separation) + way;
         let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
         let gap = positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h;
         let mut overlap = zero;

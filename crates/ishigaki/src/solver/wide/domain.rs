@@ -9,7 +9,7 @@ use crate::body::BodyState;
 use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::solver::wide::batch::{Batch, Place};
-use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size};
+use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, TangentLanes};
 use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::MoverBlock;
@@ -25,6 +25,9 @@ const MOST: usize = 16;
 const FEW: usize = 12;
 /// Places that are summed up in one go.
 const CHUNK: usize = 512;
+
+/// Kinds of blocks: by size, of round bodies or not.
+pub(super) const KINDS: usize = 2 * Size::ALL.len();
 
 /// What a batch is solved on.
 #[derive(Clone, Copy)]
@@ -46,8 +49,10 @@ pub struct Domain {
     pub blocks: Range<usize>,
     /// Those of each color.
     pub colors: Vec<Range<usize>>,
-    /// By color and size: first how many manifolds, then the first block.
-    pub(super) counts_of: Vec<[u32; Size::ALL.len()]>,
+    /// Tangent rows of these.
+    pub tangents: Range<usize>,
+    /// By color and kind: first how many manifolds, then the first block.
+    pub(super) counts_of: Vec<[u32; KINDS]>,
 }
 
 /// Σλ_n, N·s, and unrest, J, of some manifolds.
@@ -72,6 +77,7 @@ pub(super) struct Part<'a> {
     /// Which of them are at hand.
     pub manifolds: &'a [u32],
     pub blocks: &'a mut [ContactBlock],
+    pub tangents: &'a mut [TangentLanes],
     pub counts: &'a mut [Lane],
     pub unrest: &'a mut [Lane],
     /// Of the blocks, or one for all.
@@ -118,6 +124,7 @@ impl Cut for Part<'_> {
         let (roots, other_roots) = self.roots.split_at_mut(record);
         let (manifolds, other_manifolds) = self.manifolds.split_at(manifold);
         let (blocks, other_blocks) = self.blocks.split_at_mut(block);
+        let (tangents, other_tangents) = self.tangents.split_at_mut(next.tangents.start - first.tangents.start);
         let (counts, other_counts) = self.counts.split_at_mut(block);
         let (unrest, other_unrest) = self.unrest.split_at_mut(block);
         let one_for_all = self.scales.len() == 1;
@@ -134,6 +141,7 @@ impl Cut for Part<'_> {
             places: self.places,
             manifolds: other_manifolds,
             blocks: other_blocks,
+            tangents: other_tangents,
             counts: other_counts,
             unrest: other_unrest,
             scales: other_scales,
@@ -151,6 +159,7 @@ impl Cut for Part<'_> {
             places: self.places,
             manifolds,
             blocks,
+            tangents,
             counts,
             unrest,
             scales,
@@ -187,7 +196,7 @@ impl Batch {
         }
         self.domain_of_block.clear();
         for (domain, k) in self.domains.iter_mut().zip(0..) {
-            (domain.manifolds, domain.blocks) = (0..0, 0..0);
+            (domain.manifolds, domain.blocks, domain.tangents) = (0..0, 0..0, 0..0);
             self.domain_of_block.resize(domain.records.end / LANES, k);
         }
     }
@@ -224,6 +233,7 @@ impl Batch {
             places: &self.places,
             manifolds: &self.manifolds[first.manifolds.start..last.manifolds.end],
             blocks: &mut self.blocks[blocks.clone()],
+            tangents: &mut self.tangents[first.tangents.start..last.tangents.end],
             counts: &mut self.counts[blocks.clone()],
             unrest: &mut self.unrest[blocks.clone()],
             scales: if self.scales.len() == 1 { &self.scales } else { &self.scales[blocks] },

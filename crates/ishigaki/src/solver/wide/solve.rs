@@ -245,10 +245,10 @@ impl Batch {
         let movers = &mut self.movers.blocks;
         let (roots, old, ways) = (&mut self.roots, &mut self.old_roots, &mut self.displacements);
         let (before, velocities) = (&mut self.before, &mut self.velocities);
-        let (blocks, scales) = (&mut self.blocks[..], &self.scales[..]);
+        let (blocks, tangents, scales) = (&mut self.blocks[..], &mut self.tangents[..], &self.scales[..]);
         dispatch!(level, simd => {
             moving::reweigh_all(simd, movers, roots, old, ways, before, velocities);
-            sweeping::reweigh_all(simd, blocks, scales, old, roots);
+            sweeping::reweigh_all(simd, blocks, tangents, scales, old, roots);
         });
     }
 

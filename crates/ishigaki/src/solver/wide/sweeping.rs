@@ -1,6 +1,6 @@
 //! What a thread does to the bodies and blocks that it has in its hands: the passes of a substep.
 
-use crate::solver::wide::contact_block::{self as kernel, Biases, ContactBlock, ScaleLanes, SweepPass};
+use crate::solver::wide::contact_block::{self as kernel, Biases, ContactBlock, ScaleLanes, SweepPass, TangentLanes};
 use crate::solver::wide::domain::Part;
 use crate::solver::wide::lanes::{LANES, Lane, Record, splat, store};
 use crate::solver::wide::moving::{self, Motion};
@@ -42,35 +42,37 @@ impl Part<'_> {
     /// Rows of the blocks that were filled.
     pub fn prepare(&mut self, level: Level) {
         let (scales, roots, counts) = (self.scales, &*self.roots, &*self.counts);
-        let blocks = &mut *self.blocks;
-        dispatch!(level, simd => prepare_all(simd, blocks, scales, roots, counts));
+        let (blocks, tangents) = (&mut *self.blocks, &mut *self.tangents);
+        dispatch!(level, simd => prepare_all(simd, blocks, tangents, scales, roots, counts));
     }
 
     /// u' += J'ᵀλ for some of the blocks.
     pub fn warm_start(&mut self, level: Level, range: Range<usize>) {
-        let (scales, blocks, velocities) = (self.scales_of(&range), &self.blocks[range], &mut *self.velocities);
-        dispatch!(level, simd => warm_start_all(simd, blocks, scales, velocities));
+        let (scales, blocks, tangents) = (self.scales_of(&range), &self.blocks[range], &*self.tangents);
+        let velocities = &mut *self.velocities;
+        dispatch!(level, simd => warm_start_all(simd, blocks, tangents, scales, velocities));
     }
 
     /// A visit to each of some of the blocks.
     pub fn sweep(&mut self, level: Level, pass: &SweepPass, visits: Visits, range: Range<usize>) {
         let (scales, blocks) = (self.scales_of(&range), &mut self.blocks[range]);
         let (velocities, displacements) = (&mut *self.velocities, &*self.displacements);
-        dispatch!(level, simd => sweep(simd, blocks, scales, velocities, displacements, pass, visits));
+        let tangents = &*self.tangents;
+        dispatch!(level, simd => sweep(simd, blocks, tangents, scales, velocities, displacements, pass, visits));
     }
 
     pub fn leave(&mut self, level: Level, pass: &SweepPass, biases: Biases) {
-        let (blocks, displacements) = (&mut *self.blocks, &*self.displacements);
-        dispatch!(level, simd => leave_all(simd, blocks, displacements, pass, biases));
+        let (blocks, tangents, displacements) = (&mut *self.blocks, &*self.tangents, &*self.displacements);
+        dispatch!(level, simd => leave_all(simd, blocks, tangents, displacements, pass, biases));
     }
 
     /// How far each block is from rest; the greatest change of an impulse that a visit would make.
     pub fn inspect(&mut self, level: Level, pass: &SweepPass, biases: Biases) -> f32 {
-        let (blocks, displacements) = (&mut *self.blocks, &*self.displacements);
+        let (blocks, tangents, displacements) = (&mut *self.blocks, &*self.tangents, &*self.displacements);
         let (velocities, unrest) = (&*self.velocities, &mut *self.unrest);
         let mut residual = [0.0; LANES];
         dispatch!(level, simd => {
-            inspect_all(simd, blocks, displacements, velocities, pass, biases, unrest, &mut residual);
+            inspect_all(simd, blocks, tangents, displacements, velocities, pass, biases, unrest, &mut residual);
         });
         residual.into_iter().fold(0.0, f32::max)
     }
@@ -80,19 +82,28 @@ impl Part<'_> {
 fn prepare_all<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
+    tangents: &mut [TangentLanes],
     scales: &[ScaleLanes],
     roots: &[Record],
     counts: &[Lane],
 ) {
     for (k, (block, counts)) in blocks.iter_mut().zip(counts).enumerate() {
-        kernel::prepare(simd, block, &scales[k.min(scales.len() - 1)], roots, counts);
+        let tangents = tangents.get_mut(block.tangents as usize);
+        kernel::prepare(simd, block, tangents, &scales[k.min(scales.len() - 1)], roots, counts);
     }
 }
 
 #[inline(always)]
-fn warm_start_all<S: Simd>(simd: S, blocks: &[ContactBlock], scales: &[ScaleLanes], velocities: &mut [Record]) {
+fn warm_start_all<S: Simd>(
+    simd: S,
+    blocks: &[ContactBlock],
+    tangents: &[TangentLanes],
+    scales: &[ScaleLanes],
+    velocities: &mut [Record],
+) {
     for (k, block) in blocks.iter().enumerate() {
-        kernel::warm_start(simd, block, &scales[k.min(scales.len() - 1)], velocities);
+        let tangents = tangents.get(block.tangents as usize);
+        kernel::warm_start(simd, block, tangents, &scales[k.min(scales.len() - 1)], velocities);
     }
 }
 
@@ -101,6 +112,7 @@ fn warm_start_all<S: Simd>(simd: S, blocks: &[ContactBlock], scales: &[ScaleLane
 fn inspect_all<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
+    tangents: &[TangentLanes],
     displacements: &[Record],
     velocities: &[Record],
     pass: &SweepPass,
@@ -110,10 +122,11 @@ fn inspect_all<S: Simd>(
 ) {
     let mut greatest = splat(simd, 0.0);
     for (block, unrest) in blocks.iter_mut().zip(unrest) {
+        let tangents = tangents.get(block.tangents as usize);
         if biases != Biases::Keep {
-            kernel::measure(simd, block, displacements, pass, biases);
+            kernel::measure(simd, block, tangents, displacements, pass, biases);
         }
-        let found = kernel::inspect(simd, block, velocities);
+        let found = kernel::inspect(simd, block, tangents, velocities);
         greatest = found.residual.simd_gt(greatest).select(found.residual, greatest);
         store(found.energy, unrest);
     }
@@ -125,12 +138,15 @@ fn inspect_all<S: Simd>(
 pub(super) fn reweigh_all<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
+    tangents: &mut [TangentLanes],
     scales: &[ScaleLanes],
     old: &[Record],
     new: &[Record],
 ) {
     for (k, block) in blocks.iter_mut().enumerate() {
-        kernel::reweigh(simd, block, &scales[k.min(scales.len() - 1)], old, new);
+        if let Some(tangents) = tangents.get_mut(block.tangents as usize) {
+            kernel::reweigh(simd, block, tangents, &scales[k.min(scales.len() - 1)], old, new);
+        }
     }
 }
 
@@ -138,21 +154,24 @@ pub(super) fn reweigh_all<S: Simd>(
 fn leave_all<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
+    tangents: &[TangentLanes],
     displacements: &[Record],
     pass: &SweepPass,
     biases: Biases,
 ) {
     for block in blocks {
-        kernel::measure(simd, block, displacements, pass, biases);
+        kernel::measure(simd, block, tangents.get(block.tangents as usize), displacements, pass, biases);
         kernel::add_up(simd, block);
     }
 }
 
 /// Each block comes once into the cache for all that a sweep does to it.
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
 fn sweep<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
+    tangents: &[TangentLanes],
     scales: &[ScaleLanes],
     velocities: &mut [Record],
     displacements: &[Record],
@@ -163,10 +182,11 @@ fn sweep<S: Simd>(
     for i in 0..n {
         let k = if visits.reversed { n - 1 - i } else { i };
         let block = &mut blocks[k];
+        let tangents = tangents.get(block.tangents as usize);
         if visits.biases != Biases::Keep {
-            kernel::measure(simd, block, displacements, pass, visits.biases);
+            kernel::measure(simd, block, tangents, displacements, pass, visits.biases);
         }
-        kernel::visit(simd, block, &scales[k.min(last)], velocities, pass);
+        kernel::visit(simd, block, tangents, &scales[k.min(last)], velocities, pass);
         if visits.add_up {
             kernel::add_up(simd, block);
         }

@@ -1,6 +1,8 @@
 //! From arms and impulses to the rows of a block.
 
-use super::{ContactBlock, DiskLanes, Masses, POINTS, RowLanes, ScaleLanes, Size, pair, row_of, tangents};
+use super::{
+    ContactBlock, DiskLanes, Masses, POINTS, RowLanes, ScaleLanes, Size, TangentLanes, pair, row_of, unit_tangents,
+};
 use crate::solver::wide::lanes::{Lane, Record, Symmetric, V3, inverse, load, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
@@ -22,25 +24,52 @@ impl<S: Simd> Arms<S> {
             angular_b: roots[1].times(axis.cross(self.b)).times(self.kept),
         }
     }
+
+    /// Times I^−½, where bodies are round.
+    #[inline(always)]
+    fn weighted(&self, roots: &[Symmetric<S>; 2]) -> Self {
+        let [a, b] = roots;
+        let (a, b) = (self.a.times(a.upper.x * self.kept), self.b.times(b.upper.x * self.kept));
+        Self { a, b, kept: self.kept }
+    }
+
+    /// J' along an axis, from weighted arms.
+    #[inline(always)]
+    fn round_row(&self, axis: V3<S>) -> RowLanes<S> {
+        RowLanes { direction: axis, angular_a: self.a.cross(axis), angular_b: axis.cross(self.b) }
+    }
 }
 
 /// From arms and impulses to rows: a block as it was filled becomes one that can be visited. `roots` holds I^−½ of all
 /// bodies.
 #[inline(always)]
-pub fn prepare<S: Simd>(simd: S, block: &mut ContactBlock, scale: &ScaleLanes, roots: &[Record], counts: &Lane) {
-    by_size!(block.size, N => prepare_points::<S, N>(simd, block, scale, roots, counts))
+pub fn prepare<S: Simd>(
+    simd: S,
+    block: &mut ContactBlock,
+    tangents: Option<&mut TangentLanes>,
+    scale: &ScaleLanes,
+    roots: &[Record],
+    counts: &Lane,
+) {
+    match tangents {
+        Some(lanes) => {
+            by_size!(block.size, N => prepare_points::<S, N>(simd, block, Some(lanes), scale, roots, counts))
+        }
+        None => by_size!(block.size, N => prepare_points::<S, N>(simd, block, None, scale, roots, counts)),
+    }
 }
 
 #[inline(always)]
 fn prepare_points<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
+    mut tangents: Option<&mut TangentLanes>,
     scale: &ScaleLanes,
     roots: &[Record],
     counts: &Lane,
 ) {
     let n = V3::load(simd, &block.normal);
-    let t = tangents(simd, n);
+    let t = unit_tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
     let roots = [Symmetric::gather(simd, roots, &block.body_a), Symmetric::gather(simd, roots, &block.body_b)];
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
@@ -60,23 +89,35 @@ fn prepare_points<S: Simd, const N: usize>(
         let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
         let arms = Arms { a: arm_a, b: arm_b, kept };
 
-        let normal = arms.row(n, &roots);
+        let impulse =
+            V3 { x: load(simd, &disk.inverse[0]), y: load(simd, &disk.inverse[1]), z: load(simd, &disk.inverse[2]) };
+        store(impulse.dot(t[0]), &mut disk.lambda[0]);
+        store(impulse.dot(t[1]), &mut disk.lambda[1]);
+        let (normal, tangent);
+        match tangents.as_deref_mut() {
+            Some(lanes) => {
+                normal = arms.row(n, &roots);
+                tangent = [arms.row(t[0], &roots), arms.row(t[1], &roots)];
+                normal.angular_a.store(&mut p.angular_a);
+                normal.angular_b.store(&mut p.angular_b);
+                for k in 0..2 {
+                    tangent[k].angular_a.store(&mut lanes.angular_a[i][k]);
+                    tangent[k].angular_b.store(&mut lanes.angular_b[i][k]);
+                }
+            }
+            None => {
+                let arms = arms.weighted(&roots);
+                normal = arms.round_row(n);
+                tangent = [arms.round_row(t[0]), arms.round_row(t[1])];
+                arms.a.store(&mut p.angular_a);
+                arms.b.store(&mut p.angular_b);
+            }
+        }
         let k = normal.inner(&normal, &masses);
-        let effective_mass = exists.select(inverse(simd, k), zero);
-        normal.angular_a.store(&mut p.angular_a);
-        normal.angular_b.store(&mut p.angular_b);
         store(k, &mut p.k);
-        store(effective_mass, &mut p.effective_mass);
+        store(exists.select(inverse(simd, k), zero), &mut p.effective_mass);
         store(zero, &mut p.total);
         normals[i] = normal;
-
-        let impulse = V3::load(simd, &disk.angular_a[0]);
-        let tangent = [arms.row(t[0], &roots), arms.row(t[1], &roots)];
-        for k in 0..2 {
-            store(impulse.dot(t[k]), &mut disk.lambda[k]);
-            tangent[k].angular_a.store(&mut disk.angular_a[k]);
-            tangent[k].angular_b.store(&mut disk.angular_b[k]);
-        }
         prepare_disk(simd, disk, &tangent, &masses, kept);
     }
     couple(block, &normals, &masses);
@@ -91,22 +132,31 @@ fn couple<S: Simd, const N: usize>(block: &mut ContactBlock, normals: &[RowLanes
     }
 }
 
-/// Rows for other inertias: `old` holds I^½ of all bodies as rows have them, `new` I^−½ as they shall.
+/// Rows for other inertias: `old` holds I^½ of all bodies as rows have them, `new` I^−½ as they shall. Those of round bodies
+/// do not change.
 #[inline(always)]
-pub fn reweigh<S: Simd>(simd: S, block: &mut ContactBlock, scale: &ScaleLanes, old: &[Record], new: &[Record]) {
-    by_size!(block.size, N => reweigh_points::<S, N>(simd, block, scale, old, new))
+pub fn reweigh<S: Simd>(
+    simd: S,
+    block: &mut ContactBlock,
+    tangents: &mut TangentLanes,
+    scale: &ScaleLanes,
+    old: &[Record],
+    new: &[Record],
+) {
+    by_size!(block.size, N => reweigh_points::<S, N>(simd, block, tangents, scale, old, new))
 }
 
 #[inline(always)]
 fn reweigh_points<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
+    tangents: &mut TangentLanes,
     scale: &ScaleLanes,
     old: &[Record],
     new: &[Record],
 ) {
     let n = V3::load(simd, &block.normal);
-    let t = tangents(simd, n);
+    let t = unit_tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
     let change = Reweighing {
         old: [Symmetric::gather(simd, old, &block.body_a), Symmetric::gather(simd, old, &block.body_b)],
@@ -125,12 +175,12 @@ fn reweigh_points<S: Simd, const N: usize>(
         normal.angular_b.store(&mut p.angular_b);
         normals[i] = normal;
         let tangent = [
-            change.of(row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0])),
-            change.of(row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1])),
+            change.of(row_of(simd, t[0], &tangents.angular_a[i][0], &tangents.angular_b[i][0])),
+            change.of(row_of(simd, t[1], &tangents.angular_a[i][1], &tangents.angular_b[i][1])),
         ];
         for k in 0..2 {
-            tangent[k].angular_a.store(&mut disk.angular_a[k]);
-            tangent[k].angular_b.store(&mut disk.angular_b[k]);
+            tangent[k].angular_a.store(&mut tangents.angular_a[i][k]);
+            tangent[k].angular_b.store(&mut tangents.angular_b[i][k]);
         }
         prepare_disk(simd, disk, &tangent, &masses, exists.select(splat(simd, 1.0), zero));
     }

@@ -1,6 +1,7 @@
 //! A visit to a block, and a look at it without one.
 
-use super::{ContactBlock, DiskLanes, Masses, POINTS, ScaleLanes, Size, SweepPass, pair, row_of, tangents};
+use super::{ContactBlock, DiskLanes, Masses, POINTS, ScaleLanes, Size, SweepPass, TangentLanes, pair, unit_tangents};
+use super::{normal_velocities, point_velocity, push_normals, push_point};
 use crate::solver::wide::lanes::{Record, Sides, V3, load, positive, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
@@ -10,17 +11,19 @@ use fearless_simd::prelude::*;
 pub fn visit<S: Simd>(
     simd: S,
     block: &mut ContactBlock,
+    tangents: Option<&TangentLanes>,
     scale: &ScaleLanes,
     velocities: &mut [Record],
     pass: &SweepPass,
 ) {
-    by_size!(block.size, N => visit_points::<S, N>(simd, block, scale, velocities, pass))
+    by_kind!(tangents, block.size, N => visit_points::<S, N>(simd, block, tangents, scale, velocities, pass))
 }
 
 #[inline(always)]
 fn visit_points<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
+    tangents: Option<&TangentLanes>,
     scale: &ScaleLanes,
     velocities: &mut [Record],
     pass: &SweepPass,
@@ -28,36 +31,36 @@ fn visit_points<S: Simd, const N: usize>(
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
     let mut sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
-    visit_normals::<S, N>(simd, block, n, &masses, &mut sides, pass.passes);
-    let t = tangents(simd, n);
+    let relative = sides.relative(masses.root_a, masses.root_b);
+    let mut w = normal_velocities::<S, N>(simd, block, tangents, n, relative, &sides);
+    let change = solve_normals(simd, block, &mut w, pass.passes);
+    push_normals(simd, block, tangents, n, &change, &masses, &mut sides);
+    let t = unit_tangents(simd, n);
     let mu = load(simd, &block.friction);
     for i in 0..N {
         let reach = mu * positive(simd, load(simd, &block.points[i].lambda));
-        visit_disk(simd, &mut block.disks[i], t, reach, &masses, &mut sides);
+        let relative = sides.relative(masses.root_a, masses.root_b);
+        let w = point_velocity(simd, block, tangents, i, t, relative, &sides);
+        let change = solve_disk(simd, &mut block.disks[i], w, reach);
+        push_point(simd, block, tangents, i, t, change, &masses, &mut sides);
     }
     sides.scatter(simd, velocities, &block.body_a, &block.body_b);
 }
 
-/// Gauss–Seidel on the normals alone: the bodies are read once and pushed once.
+/// Gauss–Seidel on the normals alone, from their velocities on: the bodies are read once and pushed once. The changes of λ.
 #[inline(always)]
-fn visit_normals<S: Simd, const N: usize>(
+fn solve_normals<S: Simd, const N: usize>(
     simd: S,
     block: &mut ContactBlock,
-    n: V3<S>,
-    masses: &Masses<S>,
-    sides: &mut Sides<S>,
+    w: &mut [f32x8<S>; N],
     passes: u32,
-) {
-    let zero = splat(simd, 0.0);
-    let relative = sides.relative(masses.root_a, masses.root_b);
-    let along = n.dot(relative);
-    let (mut w, mut lambda) = ([zero; N], [zero; N]);
+) -> [f32x8<S>; N] {
+    let mut lambda = [splat(simd, 0.0); N];
     for i in 0..N {
-        let p = &block.points[i];
-        let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
-        w[i] = along + a.dot(sides.angular_a) + b.dot(sides.angular_b) + load(simd, &p.bias);
-        lambda[i] = load(simd, &p.lambda);
+        w[i] += load(simd, &block.points[i].bias);
+        lambda[i] = load(simd, &block.points[i].lambda);
     }
+    let old = lambda;
     for _ in 0..passes {
         for i in 0..N {
             let next = positive(simd, lambda[i] - w[i] * load(simd, &block.points[i].effective_mass));
@@ -73,36 +76,17 @@ fn visit_normals<S: Simd, const N: usize>(
             }
         }
     }
-    let mut sum = zero;
+    let mut change = old;
     for i in 0..N {
-        let p = &mut block.points[i];
-        let change = lambda[i] - load(simd, &p.lambda);
-        store(lambda[i], &mut p.lambda);
-        sum += change;
-        let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
-        sides.angular_a = sides.angular_a.plus(a.times(change * masses.inertia_a));
-        sides.angular_b = sides.angular_b.plus(b.times(change * masses.inertia_b));
+        change[i] = lambda[i] - old[i];
+        store(lambda[i], &mut block.points[i].lambda);
     }
-    sides.linear_a = sides.linear_a.plus(n.times(sum * masses.push_a));
-    sides.linear_b = sides.linear_b.minus(n.times(sum * masses.push_b));
+    change
 }
 
-/// Sticks if the disk holds it, else slides: `reference.rs`, `solve_disk`.
+/// Sticks if the disk holds it, else slides: `reference.rs`, `solve_disk`. The changes of λ.
 #[inline(always)]
-fn visit_disk<S: Simd>(
-    simd: S,
-    disk: &mut DiskLanes,
-    t: [V3<S>; 2],
-    reach: f32x8<S>,
-    masses: &Masses<S>,
-    sides: &mut Sides<S>,
-) {
-    let relative = sides.relative(masses.root_a, masses.root_b);
-    let rows = [
-        row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0]),
-        row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1]),
-    ];
-    let w = [rows[0].velocity(relative, sides), rows[1].velocity(relative, sides)];
+fn solve_disk<S: Simd>(simd: S, disk: &mut DiskLanes, w: [f32x8<S>; 2], reach: f32x8<S>) -> [f32x8<S>; 2] {
     let (i11, i12) = (load(simd, &disk.inverse[0]), load(simd, &disk.inverse[1]));
     let (i21, i22) = (load(simd, &disk.inverse[2]), load(simd, &disk.inverse[3]));
     let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
@@ -114,12 +98,10 @@ fn visit_disk<S: Simd>(
     let one = splat(simd, 1.0);
     let shrink = outside.select(reach / outside.select(length, one), one);
     let slips = (stick[0] * stick[0] + stick[1] * stick[1]).simd_gt(reach * reach);
-    for k in 0..2 {
-        let new = slips.select(slide[k] * shrink, stick[k]);
-        let change = new - old[k];
-        store(new, &mut disk.lambda[k]);
-        rows[k].push(change, masses, sides);
-    }
+    let new = [slips.select(slide[0] * shrink, stick[0]), slips.select(slide[1] * shrink, stick[1])];
+    store(new[0], &mut disk.lambda[0]);
+    store(new[1], &mut disk.lambda[1]);
+    [new[0] - old[0], new[1] - old[1]]
 }
 
 /// How far a block is from rest: what visits to each row alone would do.
@@ -133,32 +115,39 @@ pub struct Unrest<S: Simd> {
 
 /// Looks at a block without a visit.
 #[inline(always)]
-pub fn inspect<S: Simd>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
-    by_size!(block.size, N => inspect_points::<S, N>(simd, block, velocities))
+pub fn inspect<S: Simd>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    velocities: &[Record],
+) -> Unrest<S> {
+    by_kind!(tangents, block.size, N => inspect_points::<S, N>(simd, block, tangents, velocities))
 }
 
 #[inline(always)]
-fn inspect_points<S: Simd, const N: usize>(simd: S, block: &ContactBlock, velocities: &[Record]) -> Unrest<S> {
+fn inspect_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    velocities: &[Record],
+) -> Unrest<S> {
     let n = V3::load(simd, &block.normal);
-    let t = tangents(simd, n);
+    let t = unit_tangents(simd, n);
     let sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
     let relative = sides.relative(load(simd, &block.root_a), load(simd, &block.root_b));
     let mu = load(simd, &block.friction);
     let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
     let mut unrest = Unrest { residual: zero, energy: zero };
-    for (p, disk) in block.points[..N].iter().zip(&block.disks) {
+    let normal = normal_velocities::<S, N>(simd, block, tangents, n, relative, &sides);
+    for i in 0..N {
+        let (p, disk) = (&block.points[i], &block.disks[i]);
         let lambda = load(simd, &p.lambda);
-        let row = row_of(simd, n, &p.angular_a, &p.angular_b);
-        let w = row.velocity(relative, &sides) + load(simd, &p.bias);
+        let w = normal[i] + load(simd, &p.bias);
         let change = positive(simd, lambda - w * load(simd, &p.effective_mass)) - lambda;
         let reach = mu * positive(simd, lambda);
         let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
         let step = load(simd, &disk.step);
-        let rows = [
-            row_of(simd, t[0], &disk.angular_a[0], &disk.angular_b[0]),
-            row_of(simd, t[1], &disk.angular_a[1], &disk.angular_b[1]),
-        ];
-        let v = [rows[0].velocity(relative, &sides), rows[1].velocity(relative, &sides)];
+        let v = point_velocity(simd, block, tangents, i, t, relative, &sides);
         let wanted = [old[0] - step * v[0], old[1] - step * v[1]];
         let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
         let outside = length.simd_gt(reach);

@@ -106,10 +106,8 @@ fn turn_point<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, roots: &[
 /// The same of round bodies: to the bit what the rows above give.
 #[inline(always)]
 fn turn_round<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>) {
-    let (a, b) = (
-        at.arm_a.times(load(simd, &block.root_inertia[0])),
-        at.arm_b.times(load(simd, &block.root_inertia[1])),
-    );
+    let (a, b) =
+        (at.arm_a.times(load(simd, &block.root_inertia[0])), at.arm_b.times(load(simd, &block.root_inertia[1])));
     a.store(&mut block.angular[0][0]);
     b.store(&mut block.angular[1][0]);
     let (xx, yy, zz) = (a.x * a.x, a.y * a.y, a.z * a.z);

@@ -1,0 +1,191 @@
+//! Rows of a block: from the velocities of bodies to those along rows, and from impulses back.
+//!
+//! Between round bodies (balls, cubes) I^−½ is a number, J' of all three rows of a point comes from the arm r' = I^−½ r:
+//! (r' × d)·ω' along each direction d. Their blocks are a third smaller.
+
+use super::{ContactBlock, Masses, TangentLanes};
+use crate::solver::wide::lanes::{Lane3, Sides, V3, splat};
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
+/// J' of one row: direction, and rotations of A and B.
+#[derive(Clone, Copy)]
+pub struct RowLanes<S: Simd> {
+    pub direction: V3<S>,
+    pub angular_a: V3<S>,
+    pub angular_b: V3<S>,
+}
+
+impl<S: Simd> RowLanes<S> {
+    /// J'J''ᵀ of two rows.
+    #[inline(always)]
+    pub fn inner(&self, o: &Self, m: &Masses<S>) -> f32x8<S> {
+        self.direction.dot(o.direction) * (m.root_a * m.push_a + m.root_b * m.push_b)
+            + self.angular_a.dot(o.angular_a) * m.inertia_a
+            + self.angular_b.dot(o.angular_b) * m.inertia_b
+    }
+
+    /// w = J'u'.
+    #[inline(always)]
+    pub fn velocity(&self, relative: V3<S>, sides: &Sides<S>) -> f32x8<S> {
+        self.direction.dot(relative) + self.angular_a.dot(sides.angular_a) + self.angular_b.dot(sides.angular_b)
+    }
+
+    /// u' += J'ᵀΔλ.
+    #[inline(always)]
+    pub fn push(&self, delta: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
+        sides.linear_a = sides.linear_a.plus(self.direction.times(delta * m.push_a));
+        sides.linear_b = sides.linear_b.minus(self.direction.times(delta * m.push_b));
+        sides.angular_a = sides.angular_a.plus(self.angular_a.times(delta * m.inertia_a));
+        sides.angular_b = sides.angular_b.plus(self.angular_b.times(delta * m.inertia_b));
+    }
+}
+
+#[inline(always)]
+pub fn row_of<S: Simd>(simd: S, direction: V3<S>, angular_a: &Lane3, angular_b: &Lane3) -> RowLanes<S> {
+    RowLanes { direction, angular_a: V3::load(simd, angular_a), angular_b: V3::load(simd, angular_b) }
+}
+
+/// J'u' of the normal rows; `relative` is v_A − v_B.
+#[inline(always)]
+pub fn normal_velocities<S: Simd, const N: usize>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    n: V3<S>,
+    relative: V3<S>,
+    sides: &Sides<S>,
+) -> [f32x8<S>; N] {
+    let along = n.dot(relative);
+    let (mut of_a, mut of_b) = (sides.angular_a, sides.angular_b);
+    if tangents.is_none() {
+        // n·(ω' × r') = r'·(n × ω')
+        (of_a, of_b) = (n.cross(of_a), of_b.cross(n));
+    }
+    let mut w = [along; N];
+    for i in 0..N {
+        let p = &block.points[i];
+        let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
+        w[i] = along + a.dot(of_a) + b.dot(of_b);
+    }
+    w
+}
+
+/// u' += J'ᵀΔλ of the normal rows.
+#[inline(always)]
+pub fn push_normals<S: Simd, const N: usize>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    n: V3<S>,
+    change: &[f32x8<S>; N],
+    m: &Masses<S>,
+    sides: &mut Sides<S>,
+) {
+    let zero = splat(simd, 0.0);
+    let mut sum = zero;
+    let zero = V3 { x: zero, y: zero, z: zero };
+    let (mut turn_a, mut turn_b) = if tangents.is_some() { (sides.angular_a, sides.angular_b) } else { (zero, zero) };
+    for i in 0..N {
+        let p = &block.points[i];
+        sum += change[i];
+        turn_a = turn_a.plus(V3::load(simd, &p.angular_a).times(change[i] * m.inertia_a));
+        turn_b = turn_b.plus(V3::load(simd, &p.angular_b).times(change[i] * m.inertia_b));
+    }
+    if tangents.is_none() {
+        (turn_a, turn_b) = (sides.angular_a.plus(turn_a.cross(n)), sides.angular_b.plus(n.cross(turn_b)));
+    }
+    (sides.angular_a, sides.angular_b) = (turn_a, turn_b);
+    sides.linear_a = sides.linear_a.plus(n.times(sum * m.push_a));
+    sides.linear_b = sides.linear_b.minus(n.times(sum * m.push_b));
+}
+
+/// u' += J'ᵀλ of all rows of a point; `lambda` is along the normal and the tangents.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
+pub fn push_all<S: Simd>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    i: usize,
+    [n, t1, t2]: [V3<S>; 3],
+    lambda: [f32x8<S>; 3],
+    m: &Masses<S>,
+    sides: &mut Sides<S>,
+) {
+    if tangents.is_some() {
+        let p = &block.points[i];
+        row_of(simd, n, &p.angular_a, &p.angular_b).push(lambda[0], m, sides);
+        push_point(simd, block, tangents, i, [t1, t2], [lambda[1], lambda[2]], m, sides);
+    } else {
+        let impulse = n.times(lambda[0]).plus(t1.times(lambda[1])).plus(t2.times(lambda[2]));
+        push_round(simd, block, i, impulse, m, sides);
+    }
+}
+
+/// J'u' of the tangent rows of a point.
+#[inline(always)]
+pub fn point_velocity<S: Simd>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    i: usize,
+    t: [V3<S>; 2],
+    relative: V3<S>,
+    sides: &Sides<S>,
+) -> [f32x8<S>; 2] {
+    match tangents {
+        Some(lanes) => {
+            let rows = [tangent_row(simd, lanes, i, 0, t[0]), tangent_row(simd, lanes, i, 1, t[1])];
+            [rows[0].velocity(relative, sides), rows[1].velocity(relative, sides)]
+        }
+        None => {
+            let p = &block.points[i];
+            let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
+            let v = relative.plus(sides.angular_a.cross(a)).minus(sides.angular_b.cross(b));
+            [t[0].dot(v), t[1].dot(v)]
+        }
+    }
+}
+
+/// u' += J'ᵀΔλ of the tangent rows of a point.
+#[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
+pub fn push_point<S: Simd>(
+    simd: S,
+    block: &ContactBlock,
+    tangents: Option<&TangentLanes>,
+    i: usize,
+    t: [V3<S>; 2],
+    change: [f32x8<S>; 2],
+    m: &Masses<S>,
+    sides: &mut Sides<S>,
+) {
+    match tangents {
+        Some(lanes) => {
+            for k in 0..2 {
+                tangent_row(simd, lanes, i, k, t[k]).push(change[k], m, sides);
+            }
+        }
+        None => {
+            let impulse = t[0].times(change[0]).plus(t[1].times(change[1]));
+            push_round(simd, block, i, impulse, m, sides);
+        }
+    }
+}
+
+/// An impulse on A at a point between round bodies, and back on B.
+#[inline(always)]
+fn push_round<S: Simd>(simd: S, block: &ContactBlock, i: usize, impulse: V3<S>, m: &Masses<S>, sides: &mut Sides<S>) {
+    let p = &block.points[i];
+    let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
+    sides.linear_a = sides.linear_a.plus(impulse.times(m.push_a));
+    sides.linear_b = sides.linear_b.minus(impulse.times(m.push_b));
+    sides.angular_a = sides.angular_a.plus(a.cross(impulse.times(m.inertia_a)));
+    sides.angular_b = sides.angular_b.minus(b.cross(impulse.times(m.inertia_b)));
+}
+
+#[inline(always)]
+fn tangent_row<S: Simd>(simd: S, lanes: &TangentLanes, i: usize, k: usize, direction: V3<S>) -> RowLanes<S> {
+    row_of(simd, direction, &lanes.angular_a[i][k], &lanes.angular_b[i][k])
+}
