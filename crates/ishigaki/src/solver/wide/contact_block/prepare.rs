@@ -82,10 +82,14 @@ fn prepare_points<S: Simd, const N: usize>(
         let (arm_a, arm_b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         let s = load(simd, &p.separation);
         // Arms to the middle of the gap, as in `constraint/contact.rs`.
-        let (length_a, length_b) = (arm_a.dot(arm_a).sqrt(), arm_b.dot(arm_b).sqrt());
-        let shorter = length_a.simd_lt(length_b).select(length_a, length_b);
-        let from_afar = s.simd_gt(splat(simd, 0.1) * shorter);
-        let shift = n.times(from_afar.select(zero, half * s));
+        let mut shift = half * s;
+        if s.simd_gt(zero).any_true() {
+            let (length_a, length_b) = (arm_a.dot(arm_a).sqrt(), arm_b.dot(arm_b).sqrt());
+            let shorter = length_a.simd_lt(length_b).select(length_a, length_b);
+            let from_afar = s.simd_gt(splat(simd, 0.1) * shorter);
+            shift = from_afar.select(zero, shift);
+        }
+        let shift = n.times(shift);
         let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
         let arms = Arms { a: arm_a, b: arm_b, kept };
 

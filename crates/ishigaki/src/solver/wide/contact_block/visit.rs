@@ -91,14 +91,18 @@ fn solve_disk<S: Simd>(simd: S, disk: &mut DiskLanes, w: [f32x8<S>; 2], reach: f
     let (i21, i22) = (load(simd, &disk.inverse[2]), load(simd, &disk.inverse[3]));
     let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
     let stick = [old[0] - (i11 * w[0] + i12 * w[1]), old[1] - (i21 * w[0] + i22 * w[1])];
-    let step = load(simd, &disk.step);
-    let slide = [old[0] - step * w[0], old[1] - step * w[1]];
-    let length = (slide[0] * slide[0] + slide[1] * slide[1]).sqrt();
-    let outside = length.simd_gt(reach);
-    let one = splat(simd, 1.0);
-    let shrink = outside.select(reach / outside.select(length, one), one);
     let slips = (stick[0] * stick[0] + stick[1] * stick[1]).simd_gt(reach * reach);
-    let new = [slips.select(slide[0] * shrink, stick[0]), slips.select(slide[1] * shrink, stick[1])];
+    let mut new = stick;
+    // A root and a quotient take as long as all else here, and most of what touches sticks.
+    if slips.any_true() {
+        let step = load(simd, &disk.step);
+        let slide = [old[0] - step * w[0], old[1] - step * w[1]];
+        let length = (slide[0] * slide[0] + slide[1] * slide[1]).sqrt();
+        let outside = length.simd_gt(reach);
+        let one = splat(simd, 1.0);
+        let shrink = outside.select(reach / outside.select(length, one), one);
+        new = [slips.select(slide[0] * shrink, stick[0]), slips.select(slide[1] * shrink, stick[1])];
+    }
     store(new[0], &mut disk.lambda[0]);
     store(new[1], &mut disk.lambda[1]);
     [new[0] - old[0], new[1] - old[1]]
@@ -149,9 +153,14 @@ fn inspect_points<S: Simd, const N: usize>(
         let step = load(simd, &disk.step);
         let v = point_velocity(simd, block, tangents, i, t, relative, &sides);
         let wanted = [old[0] - step * v[0], old[1] - step * v[1]];
-        let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
-        let outside = length.simd_gt(reach);
-        let shrink = outside.select(reach / outside.select(length, one), one);
+        let square = wanted[0] * wanted[0] + wanted[1] * wanted[1];
+        let mut shrink = one;
+        // Not less than the limit, so that no root is rounded below it.
+        if square.simd_ge(reach * reach * splat(simd, 0.999)).any_true() {
+            let length = square.sqrt();
+            let outside = length.simd_gt(reach);
+            shrink = outside.select(reach / outside.select(length, one), one);
+        }
         let slip = [shrink * wanted[0] - old[0], shrink * wanted[1] - old[1]];
         let greatest = positive(simd, change.abs() - unrest.residual) + unrest.residual;
         let sliding = (slip[0] * slip[0] + slip[1] * slip[1]).sqrt();
