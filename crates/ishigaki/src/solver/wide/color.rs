@@ -62,6 +62,10 @@ impl Batch {
     /// nothing fills are emptied.
     fn make_blocks(&mut self, colors: usize) {
         let (mut first, mut manifolds, mut tangents) = (0, 0, 0);
+        // As much room as they take, not twice that.
+        let counts = self.domains.iter().flat_map(|domain| domain.counts_of.as_flattened());
+        let blocks = counts.map(|count| count.div_ceil(LANES as u32) as usize).sum::<usize>();
+        self.blocks.reserve_exact(blocks.saturating_sub(self.blocks.len()));
         for domain in &mut self.domains {
             domain.counts_of.resize(colors, [0; KINDS]);
             domain.colors.clear();

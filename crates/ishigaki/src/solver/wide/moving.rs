@@ -8,7 +8,7 @@ use crate::motion::{self, forces};
 use crate::options::RotationScheme;
 use crate::solver::wide::lanes::{LANES, Q4, Record, Symmetric, V3, load, read, splat, store, write, write_poses};
 use crate::solver::wide::lanes::{get, set};
-use crate::solver::wide::mover::MoverBlock;
+use crate::solver::wide::mover::{Lane6, MoverBlock};
 use crate::solver::wide::turning::{
     choose, gyration, inverse_inertia_times, roots, store_rotation, symmetric, turn, turned,
 };
@@ -70,7 +70,7 @@ impl<S: Simd> Twist<S> {
     fn weighted(self, simd: S, block: &MoverBlock) -> Self {
         Self {
             linear: self.linear.times(load(simd, &block.root_mass)),
-            angular: symmetric(simd, &block.root).times(self.angular),
+            angular: root_times(simd, block, &block.root, self.angular),
         }
     }
 
@@ -79,7 +79,7 @@ impl<S: Simd> Twist<S> {
     fn unweighted(self, simd: S, block: &MoverBlock) -> Self {
         Self {
             linear: self.linear.times(load(simd, &block.inverse_root_mass)),
-            angular: symmetric(simd, &block.inverse_root).times(self.angular),
+            angular: root_times(simd, block, &block.inverse_root, self.angular),
         }
     }
 
@@ -88,6 +88,12 @@ impl<S: Simd> Twist<S> {
     fn of(simd: S, block: &MoverBlock) -> Self {
         Self { linear: V3::load(simd, &block.velocity), angular: V3::load(simd, &block.spin) }
     }
+}
+
+/// I^½ or I^−½ times a vector: a number, where bodies are round.
+#[inline(always)]
+fn root_times<S: Simd>(simd: S, block: &MoverBlock, root: &Lane6, v: V3<S>) -> V3<S> {
+    if block.has_uneven { symmetric(simd, root).times(v) } else { v.times(load(simd, &root[0])) }
 }
 
 /// v += h(F/m + g), L += hτ, damping; then u', with what the last substep carried over added to it.
@@ -125,7 +131,7 @@ fn take<S: Simd>(simd: S, block: &mut MoverBlock, before: &Eight, after: &Eight)
     let change = Twist::read(simd, after).minus(Twist::read(simd, before));
     let linear = change.linear.times(load(simd, &block.inverse_root_mass));
     V3::load(simd, &block.velocity).plus(linear).store(&mut block.velocity);
-    let turn = symmetric(simd, &block.root).times(change.angular);
+    let turn = root_times(simd, block, &block.root, change.angular);
     let momentum = V3::load(simd, &block.momentum).plus(turn);
     momentum.store(&mut block.momentum);
     let zero = splat(simd, 0.0);
@@ -187,11 +193,14 @@ fn record<S: Simd>(simd: S, block: &MoverBlock, before: &mut Eight, velocities: 
     u.write(simd, velocities);
 }
 
-/// Takes the sweeps after the motion over.
+/// Takes the sweeps after the motion over; what they changed is carried to the next substep, unless that pushes its
+/// impulses anew.
 #[inline(always)]
-fn end<S: Simd>(simd: S, block: &mut MoverBlock, carried: &mut Eight, before: &Eight, velocities: &Eight) {
+fn end<S: Simd>(simd: S, block: &mut MoverBlock, carried: Option<&mut Eight>, before: &Eight, velocities: &Eight) {
     let change = take(simd, block, before, velocities);
-    Twist::read(simd, carried).plus(change).write(simd, carried);
+    if let Some(carried) = carried {
+        Twist::read(simd, carried).plus(change).write(simd, carried);
+    }
 }
 
 #[inline(always)]
@@ -354,13 +363,14 @@ pub fn advance_all<S: Simd>(
 pub fn end_all<S: Simd>(
     simd: S,
     blocks: &mut [MoverBlock],
-    carried: &mut [Record],
+    carried: Option<&mut [Record]>,
     before: &[Record],
     velocities: &[Record],
 ) {
-    let records = carried.as_chunks_mut().0.iter_mut().zip(before.as_chunks().0);
-    for (block, ((carried, before), velocities)) in blocks.iter_mut().zip(records.zip(velocities.as_chunks().0)) {
-        end(simd, block, carried, before, velocities);
+    let mut carried = carried.unwrap_or_default().as_chunks_mut().0.iter_mut();
+    let records = before.as_chunks().0.iter().zip(velocities.as_chunks().0);
+    for (block, (before, velocities)) in blocks.iter_mut().zip(records) {
+        end(simd, block, carried.next(), before, velocities);
     }
 }
 

@@ -221,7 +221,8 @@ impl Batch {
 
     /// Takes the sweeps after the motion over.
     fn end(&mut self, machine: Machine<'_>) {
-        self.each(machine, |part| part.end(machine.level));
+        let carries = !self.pushes_anew();
+        self.each(machine, |part| part.end(machine.level, carries));
     }
 
     /// Rows of joints turn with their bodies: their impulses push along other ways than in the last substep.

@@ -33,8 +33,8 @@ impl Part<'_> {
     }
 
     /// Takes the sweeps after the motion over.
-    pub fn end(&mut self, level: Level) {
-        let (movers, carried) = (&mut *self.movers, &mut *self.carried);
+    pub fn end(&mut self, level: Level, carries: bool) {
+        let (movers, carried) = (&mut *self.movers, carries.then_some(&mut *self.carried));
         let (before, velocities) = (&*self.before, &*self.velocities);
         dispatch!(level, simd => moving::end_all(simd, movers, carried, before, velocities));
     }
