@@ -81,6 +81,14 @@ pub fn tangents(axis: Vec3) -> (Vec3, Vec3) {
     )
 }
 
+/// Components below 1e-15 become 0: in m/s, rad/s, rad or of a unit vector they stand for nothing, and a machine takes many
+/// times as long for products of such numbers, which are smaller than what f32 has in full.
+pub fn without_dust(v: Vec3) -> Vec3 {
+    const DUST: f32 = 1e-15;
+    let clean = |x: f32| if x.abs() < DUST { 0.0 } else { x };
+    Vec3::new(clean(v.x), clean(v.y), clean(v.z))
+}
+
 /// The matrix `[v]ₓ` with `[v]ₓ w = v × w`.
 pub fn skew(v: Vec3) -> Mat3 {
     Mat3::from_cols(Vec3::new(0.0, v.z, -v.y), Vec3::new(-v.z, 0.0, v.x), Vec3::new(v.y, -v.x, 0.0))

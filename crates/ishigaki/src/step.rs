@@ -192,6 +192,7 @@ impl World {
                 (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
             }
             if body.is_active() {
+                body.forget_dust();
                 sleep::count_rest_time(body, &rest.sleep, scale, dt);
                 aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
                 restless[body.island as usize] |= body.rest_time < enough;

@@ -5,7 +5,7 @@ use crate::constraint::joint_rows::BodyFrame;
 use crate::error::{Error, Result};
 use crate::handle::BodyHandle;
 use crate::mass::MassProperties;
-use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal, vector_from_rotation};
+use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal, vector_from_rotation, without_dust};
 use crate::motion::Spin;
 use crate::motion::forces::limited;
 use crate::shape::Shape;
@@ -313,6 +313,21 @@ impl BodyState {
         } else {
             (self.velocity, self.angular_velocity)
         }
+    }
+
+    /// Rates and turns that are nothing become it: `math.rs`, `without_dust`. Its angular momentum ends with the last of ω.
+    pub(crate) fn forget_dust(&mut self) {
+        self.velocity = without_dust(self.velocity);
+        let spin = without_dust(self.angular_velocity);
+        if spin != self.angular_velocity {
+            self.angular_velocity = spin;
+            if spin == Vec3::ZERO {
+                self.angular_momentum = Vec3::ZERO;
+            }
+        }
+        let [x, y, z, w] = self.rotation.to_array();
+        let turn = without_dust(Vec3::new(x, y, z));
+        self.rotation = Quat::from_xyzw(turn.x, turn.y, turn.z, w);
     }
 
     /// Whether the solver moves it in this step.

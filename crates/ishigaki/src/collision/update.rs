@@ -12,7 +12,7 @@ use crate::constraint::contact::share_evenly;
 use crate::event::Event;
 use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
-use crate::math::{Mat3, Pose, Vec3};
+use crate::math::{Mat3, Pose, Vec3, without_dust};
 use crate::solver::penetration_recovery::DEADBAND;
 use crate::threads::Cut;
 use crate::world::World;
@@ -395,7 +395,7 @@ fn to_world(
 ) -> (Manifold, usize) {
     let pose_a = &lead.pose_a;
     let turn = Mat3::from_quat(pose_a.rotation);
-    let normal = pose_a.rotation * found.normal;
+    let normal = without_dust(pose_a.rotation * found.normal);
     let (from_a, from_b) = (pose_a.translation - lead.moved - center_a, pose_a.translation - center_b);
     let mut matched = 0;
     let points = found.points.iter().map(|p| {

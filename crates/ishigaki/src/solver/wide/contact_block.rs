@@ -53,10 +53,23 @@ impl Size {
     }
 }
 
+/// In a browser a program must first get there: one kernel for all sizes takes a third of the room.
+const ONE_FOR_ALL: bool = cfg!(target_arch = "wasm32");
+
+/// How many points a kernel for `N` of them looks at.
+#[inline(always)]
+fn many<const N: usize>(size: Size) -> usize {
+    if ONE_FOR_ALL { size.points() } else { N }
+}
+
 /// A kernel made for the size of the block: its loops have a known length.
 macro_rules! by_size {
     ($size:expr, $n:ident => $call:expr) => {
         match $size {
+            _ if ONE_FOR_ALL => {
+                const $n: usize = POINTS;
+                $call
+            }
             Size::One => {
                 const $n: usize = 1;
                 $call
@@ -303,7 +316,7 @@ fn warm_start_points<S: Simd, const N: usize>(
     let n = V3::load(simd, &block.normal);
     let t = unit_tangents(simd, n);
     let mut sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let (p, disk) = (&block.points[i], &block.disks[i]);
         let lambda = [load(simd, &p.lambda), load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
         push_all(simd, block, tangents, i, [n, t[0], t[1]], lambda, &masses, &mut sides);
@@ -352,7 +365,7 @@ fn measure_points<S: Simd, const N: usize>(
     let ways = normal_velocities::<S, N>(simd, block, tangents, n, relative, &moved);
     let zero = splat(simd, 0.0);
     let (h, deadband) = (splat(simd, pass.h), load(simd, &block.deadband));
-    for (p, way) in block.points[..N].iter_mut().zip(ways) {
+    for (p, way) in block.points[..many::<N>(block.size)].iter_mut().zip(ways) {
         let s = load(simd, &p.separation) + way;
         let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
         let gap = positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h;
@@ -378,7 +391,7 @@ pub fn add_up<S: Simd>(simd: S, block: &mut ContactBlock) {
 
 #[inline(always)]
 fn add_up_points<S: Simd, const N: usize>(simd: S, block: &mut ContactBlock) {
-    for p in &mut block.points[..N] {
+    for p in &mut block.points[..many::<N>(block.size)] {
         store(load(simd, &p.total) + load(simd, &p.lambda), &mut p.total);
     }
 }

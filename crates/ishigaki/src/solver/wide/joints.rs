@@ -339,12 +339,8 @@ impl Joints {
 
     /// A visit to each joint; with `add_up` λ is what the substep leaves.
     pub fn sweep(&mut self, level: Level, velocities: &mut [Record], pass: &JointPass, reversed: bool, add_up: bool) {
-        let (blocks, turns) = (&mut self.blocks[..], &mut self.turns[..]);
-        if reversed {
-            dispatch!(level, simd => sweep::<_, true>(simd, blocks, turns, velocities, pass, add_up));
-        } else {
-            dispatch!(level, simd => sweep::<_, false>(simd, blocks, turns, velocities, pass, add_up));
-        }
+        let order = Visits { reversed, add_up };
+        visit_all(level, (&mut self.blocks, &mut self.turns), velocities, pass, order);
     }
 
     /// Velocities toward what joints ask for: `joint_recovery.rs`. They are moved along and forgotten.
@@ -388,7 +384,8 @@ impl Joints {
                 visited[0].turns = 0;
             }
             let all = turned.as_mut_slice();
-            dispatch!(level, simd => sweep::<_, false>(simd, &mut visited, all, &mut seen, pass, false));
+            let order = Visits { reversed: false, add_up: false };
+            visit_all(level, (&mut visited, all), &mut seen, pass, order);
             for &body in block.bodies.as_flattened() {
                 seen[body as usize] = velocities[body as usize];
             }
@@ -472,6 +469,28 @@ fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes]
 fn warm_start_all<S: Simd>(simd: S, blocks: &[JointBlock], turns: &[TurnLanes], velocities: &mut [Record]) {
     for block in blocks {
         kernel::warm_start(simd, block, turns.get(block.turns as usize), velocities);
+    }
+}
+
+/// In which order, and whether λ is what the substep leaves.
+#[derive(Clone, Copy)]
+struct Visits {
+    reversed: bool,
+    add_up: bool,
+}
+
+/// A visit to each.
+fn visit_all(
+    level: Level,
+    (blocks, turns): (&mut [JointBlock], &mut [TurnLanes]),
+    velocities: &mut [Record],
+    pass: &JointPass,
+    order: Visits,
+) {
+    if order.reversed {
+        dispatch!(level, simd => sweep::<_, true>(simd, blocks, turns, velocities, pass, order.add_up));
+    } else {
+        dispatch!(level, simd => sweep::<_, false>(simd, blocks, turns, velocities, pass, order.add_up));
     }
 }
 

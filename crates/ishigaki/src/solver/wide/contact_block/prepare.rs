@@ -1,7 +1,8 @@
 //! From arms and impulses to the rows of a block.
 
 use super::{
-    ContactBlock, DiskLanes, Masses, POINTS, RowLanes, ScaleLanes, Size, TangentLanes, pair, row_of, unit_tangents,
+    ContactBlock, DiskLanes, Masses, ONE_FOR_ALL, POINTS, RowLanes, ScaleLanes, Size, TangentLanes, many, pair, row_of,
+    unit_tangents,
 };
 use crate::solver::wide::lanes::{Lane, Record, Symmetric, V3, inverse, load, splat, store};
 use fearless_simd::f32x8;
@@ -75,7 +76,7 @@ fn prepare_points<S: Simd, const N: usize>(
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
     let counts = load(simd, counts);
     let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
         let exists = counts.simd_gt(splat(simd, i as f32));
         let kept = exists.select(splat(simd, 1.0), zero);
@@ -129,8 +130,8 @@ fn prepare_points<S: Simd, const N: usize>(
 
 #[inline(always)]
 fn couple<S: Simd, const N: usize>(block: &mut ContactBlock, normals: &[RowLanes<S>; N], masses: &Masses<S>) {
-    for i in 0..N {
-        for j in i + 1..N {
+    for i in 0..many::<N>(block.size) {
+        for j in i + 1..many::<N>(block.size) {
             store(normals[i].inner(&normals[j], masses), &mut block.coupling[pair(i, j)]);
         }
     }
@@ -167,7 +168,7 @@ fn reweigh_points<S: Simd, const N: usize>(
         new: [Symmetric::gather(simd, new, &block.body_a), Symmetric::gather(simd, new, &block.body_b)],
     };
     let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
         let exists = load(simd, &p.effective_mass).simd_gt(splat(simd, 0.0));
         let normal = change.of(row_of(simd, n, &p.angular_a, &p.angular_b));

@@ -3,7 +3,7 @@
 //! Between round bodies (balls, cubes) I^−½ is a number, J' of all three rows of a point comes from the arm r' = I^−½ r:
 //! (r' × d)·ω' along each direction d. Their blocks are a third smaller.
 
-use super::{ContactBlock, Masses, TangentLanes};
+use super::{ContactBlock, Masses, TangentLanes, many};
 use crate::solver::wide::lanes::{Lane3, Sides, V3, splat};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
@@ -63,7 +63,7 @@ pub fn normal_velocities<S: Simd, const N: usize>(
         (of_a, of_b) = (n.cross(of_a), of_b.cross(n));
     }
     let mut w = [along; N];
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let p = &block.points[i];
         let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         w[i] = along + a.dot(of_a) + b.dot(of_b);
@@ -86,7 +86,7 @@ pub fn push_normals<S: Simd, const N: usize>(
     let mut sum = zero;
     let zero = V3 { x: zero, y: zero, z: zero };
     let (mut turn_a, mut turn_b) = if tangents.is_some() { (sides.angular_a, sides.angular_b) } else { (zero, zero) };
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let p = &block.points[i];
         sum += change[i];
         turn_a = turn_a.plus(V3::load(simd, &p.angular_a).times(change[i] * m.inertia_a));

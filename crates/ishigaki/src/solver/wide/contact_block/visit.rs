@@ -1,10 +1,16 @@
 //! A visit to a block, and a look at it without one.
 
-use super::{ContactBlock, DiskLanes, Masses, POINTS, ScaleLanes, Size, SweepPass, TangentLanes, pair, unit_tangents};
+use super::{
+    ContactBlock, DiskLanes, Masses, ONE_FOR_ALL, POINTS, ScaleLanes, Size, SweepPass, TangentLanes, many, pair,
+    unit_tangents,
+};
 use super::{normal_velocities, point_velocity, push_normals, push_point};
 use crate::solver::wide::lanes::{Record, Sides, V3, load, positive, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+
+/// Friction impulses below this are nothing, N·s.
+const DUST: f32 = 1e-18;
 
 /// One visit to eight manifolds.
 #[inline(always)]
@@ -37,7 +43,7 @@ fn visit_points<S: Simd, const N: usize>(
     push_normals(simd, block, tangents, n, &change, &masses, &mut sides);
     let t = unit_tangents(simd, n);
     let mu = load(simd, &block.friction);
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let reach = mu * positive(simd, load(simd, &block.points[i].lambda));
         let relative = sides.relative(masses.root_a, masses.root_b);
         let w = point_velocity(simd, block, tangents, i, t, relative, &sides);
@@ -56,17 +62,17 @@ fn solve_normals<S: Simd, const N: usize>(
     passes: u32,
 ) -> [f32x8<S>; N] {
     let mut lambda = [splat(simd, 0.0); N];
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         w[i] += load(simd, &block.points[i].bias);
         lambda[i] = load(simd, &block.points[i].lambda);
     }
     let old = lambda;
     for _ in 0..passes {
-        for i in 0..N {
+        for i in 0..many::<N>(block.size) {
             let next = positive(simd, lambda[i] - w[i] * load(simd, &block.points[i].effective_mass));
             let change = next - lambda[i];
             lambda[i] = next;
-            for j in 0..N {
+            for j in 0..many::<N>(block.size) {
                 let k = if i == j {
                     &block.points[i].k
                 } else {
@@ -77,7 +83,7 @@ fn solve_normals<S: Simd, const N: usize>(
         }
     }
     let mut change = old;
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         change[i] = lambda[i] - old[i];
         store(lambda[i], &mut block.points[i].lambda);
     }
@@ -103,6 +109,9 @@ fn solve_disk<S: Simd>(simd: S, disk: &mut DiskLanes, w: [f32x8<S>; 2], reach: f
         let shrink = outside.select(reach / outside.select(length, one), one);
         new = [slips.select(slide[0] * shrink, stick[0]), slips.select(slide[1] * shrink, stick[1])];
     }
+    // What is nothing would take long to be multiplied: `math.rs`, `without_dust`.
+    let (zero, dust) = (splat(simd, 0.0), splat(simd, DUST));
+    let new = [new[0].abs().simd_lt(dust).select(zero, new[0]), new[1].abs().simd_lt(dust).select(zero, new[1])];
     store(new[0], &mut disk.lambda[0]);
     store(new[1], &mut disk.lambda[1]);
     [new[0] - old[0], new[1] - old[1]]
@@ -143,7 +152,7 @@ fn inspect_points<S: Simd, const N: usize>(
     let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
     let mut unrest = Unrest { residual: zero, energy: zero };
     let normal = normal_velocities::<S, N>(simd, block, tangents, n, relative, &sides);
-    for i in 0..N {
+    for i in 0..many::<N>(block.size) {
         let (p, disk) = (&block.points[i], &block.disks[i]);
         let lambda = load(simd, &p.lambda);
         let w = normal[i] + load(simd, &p.bias);
