@@ -207,6 +207,53 @@ fn lanes_do_not_change_a_bit() {
     assert_eq!(hash(false), hash(true));
 }
 
+/// Rows of round bodies are made in another way: what shares their blocks must not be seen.
+#[test]
+fn round_bodies_move_to_the_bit_beside_what_is_not_round() {
+    let states = |has_company: bool| {
+        // A batch takes one substep where all of it rests: with company it may not.
+        let mut world = world(|o| o.rest.aggressive_sleep.enabled = false);
+        net(&mut world);
+        for i in 0..5_u16 {
+            add(&mut world, Shape::cuboid(0.25, 0.25, 0.25), Vec3::new(-4.0, 0.25 + 0.55 * f32::from(i), 0.0));
+        }
+        let round = world.bodies().count();
+        if has_company {
+            let ring = [Vec3::ZERO, Vec3::X, Vec3::Z].map(|at| {
+                add(&mut world, Shape::capsule(0.2, 0.1), at + Vec3::new(30.0, 1.0, 0.0)) //
+            });
+            for (i, at) in [(0, Vec3::X), (1, Vec3::X + Vec3::Z), (2, Vec3::Z)] {
+                let between = Vec3::new(30.0, 1.0, 0.0) + 0.5 * at;
+                world.add_joint(Joint::ball(ring[i], ring[(i + 1) % 3], between)).unwrap();
+            }
+            add(&mut world, Shape::cuboid(0.3, 0.2, 0.25), Vec3::new(30.0, 0.2, 8.0));
+        }
+        (0..90).for_each(|_| drop(world.step(DT)));
+        assert_eq!(world.report().rows, world.report().wide_rows);
+        let state = |(_, body): (_, &ishigaki::BodyState)| (body.pose(), body.velocity(), body.angular_velocity());
+        world.bodies().take(round).map(state).collect::<Vec<_>>()
+    };
+    assert_eq!(states(false), states(true));
+}
+
+#[test]
+fn what_rests_leaves_no_dust() {
+    let mut world = world(|_| ());
+    for i in 0..30_u16 {
+        add(&mut world, Shape::cuboid(0.5, 0.5, 0.5), Vec3::new(0.0, 0.5 + f32::from(i), 0.0));
+    }
+    for _ in 0..200 {
+        world.step(DT);
+        for (_, body) in world.bodies() {
+            let turn = body.rotation();
+            let rates = [body.velocity(), body.angular_velocity(), Vec3::new(turn.x, turn.y, turn.z)];
+            for x in rates.iter().flat_map(|v| v.to_array()) {
+                assert!(x == 0.0 || x.abs() >= 1e-15, "{x:e} would take long to be squared");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_cold_tower_begins_with_the_weights_above() {
     let mut world = world(|o| o.solver.level_correction.enabled = false);

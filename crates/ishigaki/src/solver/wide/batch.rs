@@ -66,6 +66,8 @@ pub struct IslandState {
     pub levels: u32,
     /// Manifolds it has.
     pub manifolds: u32,
+    /// Those of them that are between round bodies.
+    pub round_manifolds: u32,
     /// Σλ_n, N·s.
     pub load: f32,
     /// Energy that visits to its rows would take, J.
@@ -73,6 +75,12 @@ pub struct IslandState {
 }
 
 impl IslandState {
+    /// Whether nearly all of its manifolds are between round bodies: those of a mixed heap would fill too few lanes of
+    /// blocks of their own.
+    pub fn is_round(&self) -> bool {
+        4 * self.round_manifolds >= 3 * self.manifolds
+    }
+
     /// Whether its unrest is below a part of Σλ g h.
     pub fn is_below(&self, part: f32, g: f32, h: f32) -> bool {
         self.unrest <= part * self.load * g * h
