@@ -58,7 +58,6 @@ pub mod friction;
 pub(crate) mod generic;
 pub(crate) mod hinge;
 pub mod joint;
-pub(crate) mod joint_link;
 pub mod joint_rows;
 pub mod part;
 pub mod row;

@@ -4,9 +4,9 @@
 //! numbered by their first body, so the numbers do not depend on the order of contacts.
 
 use crate::body::{BodyState, NO_HEIGHT, Role};
-use crate::constraint::joint_link;
 use crate::handle::Arena;
 use crate::solver::height;
+use crate::solver::joint_link;
 use crate::union_find::{root, unite};
 use crate::world::World;
 

@@ -4,6 +4,7 @@ pub mod block;
 pub mod block_ldl;
 pub mod hand_down;
 pub mod height;
+pub(crate) mod joint_link;
 pub mod joint_recovery;
 pub mod joint_tree;
 pub mod level_correction;
