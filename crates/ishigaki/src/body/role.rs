@@ -21,8 +21,6 @@ pub(crate) struct Role {
     pub broken: bool,
     /// It has a mass and may move and turn along all axes.
     pub free: bool,
-    /// All its moments of inertia are the same, or it does not turn.
-    pub round: bool,
 }
 
 impl Role {
@@ -36,12 +34,10 @@ impl Role {
         moving_ground: false,
         broken: false,
         free: false,
-        round: true,
     };
 
     /// Before it has an island.
     pub fn of(body: &BodyState) -> Self {
-        let inertia = body.inverse_principal_inertia;
         Self {
             island: 0,
             inverse_mass: body.inverse_mass,
@@ -51,7 +47,6 @@ impl Role {
             moving_ground: body.is_moving_kinematic(),
             broken: body.broken,
             free: !body.locked_translation.contains(&true) && !body.has_locked_rotation() && body.inverse_mass > 0.0,
-            round: !body.is_active() || (inertia.x == inertia.y && inertia.y == inertia.z),
         }
     }
 }

@@ -172,10 +172,10 @@ pub(crate) struct Source<'a> {
 
 impl Place {
     /// A manifold before it has a color.
-    pub fn new(contact: u32, bodies: [u32; 2], island: u32) -> Self {
+    pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
         Self {
             contact,
-            manifold: 0,
+            manifold,
             bodies,
             island,
             color: 0,

@@ -24,6 +24,7 @@ impl Batch {
     /// Colors of the manifolds, and blocks for each domain, color and size. A line of its own in profiles.
     #[inline(never)]
     pub(super) fn color(&mut self, contacts: &[Contact]) {
+        self.find_round();
         self.used_colors.clear();
         self.used_colors.resize(self.movers.records(), 0);
         let mut colors = 0;
@@ -57,6 +58,15 @@ impl Batch {
         }
         self.make_blocks(colors);
         self.name_manifolds();
+    }
+
+    /// Which manifolds are between round bodies.
+    fn find_round(&mut self) {
+        self.islands.iter_mut().for_each(|island| island.round_manifolds = 0);
+        for place in &mut self.places {
+            place.is_round = place.bodies.iter().all(|&body| self.movers.is_round(body));
+            self.islands[place.island as usize].round_manifolds += u32::from(place.is_round);
+        }
     }
 
     /// Blocks for what was counted. Full ones are written over as they are, lane by lane: only those with lanes that

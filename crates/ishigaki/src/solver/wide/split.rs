@@ -261,10 +261,7 @@ impl World {
             state.first_body = state.first_body.min(slot);
             state.manifolds += link.manifolds;
             let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
-            let is_round = link.bodies.iter().all(|&s| self.scratch.roles[s as usize].round);
-            state.round_manifolds += if is_round { link.manifolds } else { 0 };
-            let place = Place { is_round, ..Place::new(index as u32, bodies, island) };
-            batch.places.extend((0..link.manifolds).map(|manifold| Place { manifold, ..place }));
+            batch.places.extend((0..link.manifolds).map(|m| Place::new(index as u32, m, bodies, island)));
         }
     }
 }
