@@ -61,11 +61,7 @@ impl World {
     /// # Ok::<(), ishigaki::Error>(())
     /// ```
     pub fn step(&mut self, dt: f32) -> StepReport {
-        if self.is_few() {
-            return self.step_with(dt, &mut StepContext::default());
-        }
-        let workers = self.workers.clone();
-        workers.inside(|| self.step_with(dt, &mut StepContext::default()))
+        self.step_with(dt, &mut StepContext::default())
     }
 
     /// Whether one thread takes a step sooner than several would have met.
@@ -80,6 +76,7 @@ impl World {
     /// Advances by `dt` seconds with a clock for stage timings and a say in contacts.
     pub fn step_with(&mut self, dt: f32, context: &mut StepContext<'_>) -> StepReport {
         if !self.is_few() {
+            let _awake = self.workers.wake();
             return self.take_stages(dt, context);
         }
         let workers = std::mem::take(&mut self.workers);

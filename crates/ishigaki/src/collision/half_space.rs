@@ -31,12 +31,7 @@ pub(crate) fn half_space(
     let mut floor = Floor { normal, down: pose.rotation.inverse() * -normal, pose, margin, points: Candidates::new() };
     match solid {
         Geometry::Ball { radius } => floor.push(Vec3::ZERO, *radius, Feature::vertex(0)),
-        Geometry::Capsule { half_length, radius } => {
-            floor.push(Vec3::new(0.0, -half_length, 0.0), *radius, Feature::vertex(0));
-            if *half_length > 0.0 {
-                floor.push(Vec3::new(0.0, *half_length, 0.0), *radius, Feature::vertex(1));
-            }
-        }
+        Geometry::Capsule { half_length, radius } => floor.push_capsule(*half_length, *radius),
         Geometry::Cuboid { half_extents } => floor.push_vertices(&BoxPolyhedron::new(*half_extents).view()),
         Geometry::ConvexHull(hull) => floor.push_vertices(&hull.view()),
         Geometry::Cylinder { half_height, radius } => {
@@ -71,6 +66,19 @@ impl Floor<'_> {
             let on_a = on_b - self.normal * separation;
             let id = FeatureId::new(Feature::face(0), feature);
             self.points.push(LocalPoint { on_a, on_b, separation, id });
+        }
+    }
+
+    /// Both ends as soon as one is near, unless it stands upright: what hits a limb may swing the other end down, and
+    /// through the surface, within the step.
+    fn push_capsule(&mut self, half_length: f32, radius: f32) {
+        let lowest = self.normal.dot(self.pose.translation) - half_length * self.down.y.abs() - radius;
+        if lowest <= self.margin {
+            self.margin = self.margin.max(half_length);
+        }
+        self.push(Vec3::new(0.0, -half_length, 0.0), radius, Feature::vertex(0));
+        if half_length > 0.0 {
+            self.push(Vec3::new(0.0, half_length, 0.0), radius, Feature::vertex(1));
         }
     }
 

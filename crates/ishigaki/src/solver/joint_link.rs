@@ -16,6 +16,8 @@ pub(crate) struct JointLink {
     pub bodies: [u32; 2],
     /// The wide path has rows for it.
     pub fits: bool,
+    /// What it has beside them, as [`Parts::kind`](crate::solver::wide::joint_block::Parts::kind) says it.
+    pub kind: u8,
     /// No joint before it joins the same two, whatever does not move being one.
     pub is_first: bool,
     /// It may break.
@@ -31,6 +33,7 @@ pub(crate) fn collect(joints: &Arena<JointState>, bodies: &Arena<BodyState>, lin
             joint: slot,
             bodies: [definition.body_a.index, definition.body_b.index],
             fits: joints::fits(definition),
+            kind: joints::kind(definition),
             is_first: false,
             breaks: definition.break_force.is_some() || definition.break_torque.is_some(),
         }

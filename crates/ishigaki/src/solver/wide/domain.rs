@@ -38,6 +38,18 @@ pub(crate) struct Machine<'a> {
     pub workers: &'a Workers,
 }
 
+impl Machine<'_> {
+    /// Calls `work` for each batch: those of several domains on all threads, one after the other, the rest side by side.
+    pub fn each_batch(self, batches: &mut [Batch], work: impl Fn(&mut Batch) + Sync + Send) {
+        batches.iter_mut().filter(|batch| batch.divided() > 1).for_each(&work);
+        self.workers.for_each(batches, |batch| {
+            if batch.divided() == 1 {
+                work(batch);
+            }
+        });
+    }
+}
+
 /// A part of the arrays of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Domain {

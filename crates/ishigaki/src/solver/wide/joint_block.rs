@@ -12,7 +12,7 @@ mod turn;
 mod visit;
 
 pub use turn::{Aim, see, turn};
-pub use visit::{add_up, greatest_change, greatest_turn, visit, warm_start};
+pub use visit::{add_up, change_of_point, greatest_change, greatest_turn, visit, warm_start};
 
 const ZERO: Lane = [0.0; LANES];
 const ZERO3: Lane3 = [ZERO; 3];

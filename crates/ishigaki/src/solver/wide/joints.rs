@@ -10,10 +10,11 @@ use crate::constraint::joint::{Joint, JointKind, Range};
 use crate::constraint::part::limit_motor::middle;
 use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
+use crate::solver::joint_link::JointLink;
 use crate::solver::wide::joint_block::{
     self as kernel, Aim, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST, TurnLanes,
 };
-use crate::solver::wide::lanes::{LANES, Record, get, set};
+use crate::solver::wide::lanes::{LANES, Lane, Record, get, set, splat, store};
 use crate::solver::wide::mover::{MoverBlock, Movers};
 use crate::solver::wide::moving;
 use crate::solver::work;
@@ -30,7 +31,7 @@ pub struct JointPlace {
     pub bodies: [u32; 2],
     poses: [u32; 2],
     wave: u32,
-    kind: usize,
+    kind: u8,
     block: u32,
     lane: u32,
 }
@@ -78,6 +79,11 @@ pub fn fits(joint: &Joint) -> bool {
         }
         _ => false,
     }
+}
+
+/// Number of the kind of block for it.
+pub fn kind(joint: &Joint) -> u8 {
+    BallParts::of(joint).parts().kind() as u8
 }
 
 /// What a ball joint has beside the point.
@@ -195,20 +201,18 @@ impl Joints {
     }
 
     /// Adds a joint; `bodies` are their indices in the batch.
-    pub(crate) fn add(&mut self, slot: u32, joint: &JointState, bodies: [u32; 2], world: &Arena<BodyState>) {
-        let ends = [joint.definition.body_a.index, joint.definition.body_b.index];
+    pub(crate) fn add(&mut self, link: &JointLink, bodies: [u32; 2], world: &Arena<BodyState>) {
         // What does not move has its pose after those of the movers, whose number is not known yet.
         let mut poses = bodies;
-        for (pose, end) in poses.iter_mut().zip(ends) {
+        for (pose, end) in poses.iter_mut().zip(link.bodies) {
             if *pose == 0 {
                 let body = world.at(end);
                 self.still.push(pose_record(body.center, body.rotation));
                 *pose = u32::MAX - (self.still.len() as u32 - 1);
             }
         }
-        let kind = BallParts::of(&joint.definition).parts().kind();
-        self.rows += joint.lambdas.len() as u32;
-        self.places.push(JointPlace { joint: slot, bodies, poses, wave: 0, kind, block: 0, lane: 0 });
+        let JointLink { joint, kind, .. } = *link;
+        self.places.push(JointPlace { joint, bodies, poses, wave: 0, kind, block: 0, lane: 0 });
     }
 
     /// Waves and blocks, among so many records. A line of its own in profiles.
@@ -220,8 +224,8 @@ impl Joints {
             return;
         }
         self.make_waves(records);
+        // Whatever is in them is written over before it is read.
         for records_of in [&mut self.poses, &mut self.spins, &mut self.pushes] {
-            records_of.clear();
             records_of.resize(records, Record::default());
         }
         self.poses.append(&mut self.still);
@@ -257,13 +261,13 @@ impl Joints {
             if self.counts.len() <= wave as usize {
                 self.counts.resize(wave as usize + 1, [0; Parts::KINDS]);
             }
-            let count = &mut self.counts[wave as usize][place.kind];
+            let count = &mut self.counts[wave as usize][usize::from(place.kind)];
             place.lane = *count;
             *count += 1;
         }
         self.make_blocks();
         for place in &mut self.places {
-            place.block = self.counts[place.wave as usize][place.kind] + place.lane / LANES as u32;
+            place.block = self.counts[place.wave as usize][usize::from(place.kind)] + place.lane / LANES as u32;
             place.lane %= LANES as u32;
         }
     }
@@ -300,6 +304,7 @@ impl Joints {
     fn fill_joint(&mut self, index: usize, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
         let place = self.places[index];
         let (lane, joint) = (place.lane as usize, joints.at(place.joint));
+        self.rows += joint.lambdas.len() as u32;
         let block = &mut self.blocks[place.block as usize];
         let mut turns = self.turns.get_mut(block.turns as usize);
         let resolved = &joint.resolved;
@@ -371,28 +376,25 @@ impl Joints {
 
     /// Greatest change of an impulse that a visit would make.
     pub fn residual(&mut self, level: Level, velocities: &[Record], pass: &JointPass) -> f32 {
-        if self.is_empty() {
-            return 0.0;
+        let (blocks, mut greatest) = (&self.blocks, [0.0; LANES]);
+        dispatch!(level, simd => see_changes(simd, blocks, velocities, pass, &mut greatest));
+        let mut greatest = greatest.into_iter().fold(0.0, f32::max);
+        if self.turns.is_empty() {
+            return greatest;
         }
         let mut seen = std::mem::take(&mut self.pushes);
         seen.copy_from_slice(velocities);
-        let mut greatest = 0.0;
         for block in &self.blocks {
-            let (mut visited, turns) = ([*block], self.turns.get(block.turns as usize));
-            let mut turned = turns.copied();
-            if turned.is_some() {
-                visited[0].turns = 0;
-            }
-            let all = turned.as_mut_slice();
+            let Some(turns) = self.turns.get(block.turns as usize) else { continue };
+            let (mut visited, mut turned) = ([*block], [*turns]);
+            visited[0].turns = 0;
             let order = Visits { reversed: false, add_up: false };
-            visit_all(level, (&mut visited, all), &mut seen, pass, order);
+            visit_all(level, (&mut visited, &mut turned), &mut seen, pass, order);
             for &body in block.bodies.as_flattened() {
                 seen[body as usize] = velocities[body as usize];
             }
             greatest = kernel::greatest_change(greatest, &visited[0], block);
-            if let (Some(turned), Some(turns)) = (&turned, turns) {
-                greatest = kernel::greatest_turn(greatest, turned, turns);
-            }
+            greatest = kernel::greatest_turn(greatest, &turned[0], turns);
         }
         self.pushes = seen;
         greatest
@@ -512,6 +514,18 @@ fn sweep<S: Simd, const REVERSED: bool>(
             kernel::add_up(simd, block, turns);
         }
     }
+}
+
+/// The greatest change of an impulse, lane by lane, by visits to what asks nothing of rotations.
+#[inline(always)]
+fn see_changes<S: Simd>(simd: S, blocks: &[JointBlock], velocities: &[Record], pass: &JointPass, greatest: &mut Lane) {
+    let mut most = splat(simd, 0.0);
+    for block in blocks {
+        if block.turns == JointBlock::NO_TURNS {
+            most = kernel::change_of_point(simd, block, velocities, pass, most);
+        }
+    }
+    store(most, greatest);
 }
 
 #[inline(always)]

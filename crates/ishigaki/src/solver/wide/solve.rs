@@ -34,7 +34,7 @@ impl World {
             self.solve_batch(machine, batch, &mut aid, dt);
             lock().push(aid);
         };
-        self.workers.inside(|| self.workers.for_each(&mut batches[..wide.used], solve));
+        machine.each_batch(&mut batches[..wide.used], solve);
         wide.aids = aids.into_inner().unwrap_or_else(PoisonError::into_inner);
         wide.batches = batches;
     }

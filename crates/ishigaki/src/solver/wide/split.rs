@@ -226,13 +226,7 @@ impl World {
             let Some(&mover) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
             if link.bodies.iter().all(|&s| !self.scratch.roles[s as usize].broken) {
                 let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
-                let joint = self.joints.at(link.joint);
-                wide.batches[wide.batch_of[mover as usize] as usize].joints.add(
-                    link.joint,
-                    joint,
-                    bodies,
-                    &self.bodies,
-                );
+                wide.batches[wide.batch_of[mover as usize] as usize].joints.add(link, bodies, &self.bodies);
             }
         }
         let source = Source {
@@ -244,8 +238,7 @@ impl World {
             warm_scale: self.warm_start_scale(dt),
         };
         let machine = Machine { level: wide.level, workers: &self.workers };
-        let batches = &mut wide.batches[..wide.used];
-        self.workers.inside(|| self.workers.for_each(batches, |batch| batch.build(machine, &source)));
+        machine.each_batch(&mut wide.batches[..wide.used], |batch| batch.build(machine, &source));
         wide.rows = wide.batches[..wide.used].iter().map(|b| (b.rows + b.joints.rows) as usize).sum();
     }
 

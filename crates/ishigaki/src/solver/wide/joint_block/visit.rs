@@ -74,16 +74,22 @@ fn substitute<S: Simd>(simd: S, block: &JointBlock, w: [f32x8<S>; 3]) -> [f32x8<
     [x0, x1, x2]
 }
 
-/// Δλ = −K⁻¹(J'u' + bias), u' += J'ᵀΔλ, where `wanted`.
+/// −Δλ = K⁻¹(J'u' + bias) of the point.
 #[inline(always)]
-fn solve_point<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, pass: &JointPass, wanted: mask32x8<S>) {
+fn step_of_point<S: Simd>(simd: S, block: &JointBlock, sides: &Sides<S>, pass: &JointPass) -> [f32x8<S>; 3] {
     let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
     let relative = sides.relative(root_a, root_b);
     let gap = V3::load(simd, &block.gap).times(splat(simd, pass.recovery));
     let bias = gap.plus(V3::load(simd, &block.arc).times(splat(simd, pass.arc)));
     let turned = turned(simd, block, sides.angular_a, sides.angular_b);
     let w = [relative.x + bias.x + turned[0], relative.y + bias.y + turned[1], relative.z + bias.z + turned[2]];
-    let x = substitute(simd, block, w);
+    substitute(simd, block, w)
+}
+
+/// Δλ, u' += J'ᵀΔλ, where `wanted`.
+#[inline(always)]
+fn solve_point<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, pass: &JointPass, wanted: mask32x8<S>) {
+    let x = step_of_point(simd, block, sides, pass);
     let zero = splat(simd, 0.0);
     let x = [wanted.select(x[0], zero), wanted.select(x[1], zero), wanted.select(x[2], zero)];
     push_point(simd, block, sides, [-x[0], -x[1], -x[2]]);
@@ -271,6 +277,23 @@ pub fn add_up<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnL
             }
         }
     }
+}
+
+/// The greatest change of an impulse by a visit to a point, N·s, if it is greater than `least`, lane by lane; nothing is changed.
+#[inline(always)]
+pub fn change_of_point<S: Simd>(
+    simd: S,
+    block: &JointBlock,
+    velocities: &[Record],
+    pass: &JointPass,
+    least: f32x8<S>,
+) -> f32x8<S> {
+    let sides = Sides::gather(simd, velocities, &block.bodies[0], &block.bodies[1]);
+    let mut greatest = least;
+    for x in step_of_point(simd, block, &sides, pass) {
+        greatest = x.abs().simd_gt(greatest).select(x.abs(), greatest);
+    }
+    greatest
 }
 
 /// The greatest change of an impulse by a visit to a point, N·s, if it is greater than `least`.
