@@ -45,7 +45,8 @@ pub(crate) struct Scratch {
     pub supports: Vec<(u32, u32)>,
     pub heights: Vec<u32>,
     pub height: height::Scratch,
-    pub plan: Plan,
+    /// Away for the length of a step.
+    pub plan: Option<Box<Plan>>,
 }
 
 impl World {
@@ -87,7 +88,7 @@ impl World {
 
     fn take_stages(&mut self, dt: f32, context: &mut StepContext<'_>) -> StepReport {
         let mut watch = Watch::start(context.clock.as_deref_mut());
-        let mut plan = std::mem::take(&mut self.scratch.plan);
+        let mut plan = self.scratch.plan.take().unwrap_or_default();
 
         // ANCHOR: stages
         if self.begin(dt) {
@@ -114,7 +115,7 @@ impl World {
         }
         // ANCHOR_END: stages
 
-        self.scratch.plan = plan;
+        self.scratch.plan = Some(plan);
         self.report.stage_seconds = watch.seconds;
         self.report.clone()
     }

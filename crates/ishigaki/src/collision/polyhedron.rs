@@ -81,6 +81,16 @@ impl Polyhedron<'_> {
         best.0
     }
 
+    /// The least `normal·x` of its points, m.
+    pub fn least_along(&self, normal: Vec3) -> f32 {
+        let mut least = f32::INFINITY;
+        for vertex in self.vertices {
+            let height = vertex.dot(normal);
+            least = if height < least { height } else { least };
+        }
+        least
+    }
+
     /// The face that meets a plane with this normal: of the faces around the deepest vertex the one most against it.
     pub fn incident_face(&self, normal: Vec3) -> usize {
         let deepest = self.support(-normal) as u32;

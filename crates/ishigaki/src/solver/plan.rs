@@ -124,9 +124,7 @@ struct Jointed {
 impl World {
     /// Stage `build_rows`.
     pub(crate) fn build_rows(&mut self, plan: &mut Plan, dt: f32) {
-        let mut wide = std::mem::take(&mut plan.wide);
-        self.build_batches(&mut wide, dt);
-        plan.wide = wide;
+        self.build_batches(&mut plan.wide, dt);
         self.count_substeps(plan);
         self.collect_bodies(plan);
         plan.rows.clear();

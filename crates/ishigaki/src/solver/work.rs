@@ -56,6 +56,8 @@ pub const TURN_VISIT: u64 = 6 + 6 + 2;
 pub const FREE_PART: u64 = 3 * 6 + 9 + 3;
 /// Rows of a point at a pose: arms, J', K and its factors, arcs.
 pub const POINT_ROWS: u64 = 2 * 15 + 2 * 18 + 6 * 6 + 10 + 2 * 18;
+/// The same of round bodies, whose rows are arms.
+pub const ROUND_POINT_ROWS: u64 = 2 * 15 + 2 * 3 + 2 * 6 + 10 + 2 * 18;
 /// Rows of twist and cone: frames, angles, J'.
 pub const RANGE_ROWS: u64 = 2 * 16 + 2 * 15 + 16 + 20 + 2 * 24;
 

@@ -96,13 +96,22 @@ struct BallParts {
 }
 
 impl BallParts {
+    /// Nothing.
+    const NONE: Self = Self { cone: None, twist: None, friction: 0.0, damping: 0.0 };
+
     fn of(joint: &Joint) -> Self {
         match &joint.kind {
             JointKind::Ball { cone, twist, friction, damping } => {
                 Self { cone: *cone, twist: *twist, friction: *friction, damping: *damping }
             }
-            _ => Self { cone: None, twist: None, friction: 0.0, damping: 0.0 },
+            _ => Self::NONE,
         }
+    }
+
+    /// Of a joint with a place: where the place says that there is nothing, the definition, which lies far from what a
+    /// step needs of a joint, is not looked at.
+    fn at(place: &JointPlace, joint: &JointState) -> Self {
+        if place.kind == 0 { Self::NONE } else { Self::of(&joint.definition) }
     }
 
     fn parts(&self) -> Parts {
@@ -162,7 +171,10 @@ fn fill_turns(turns: &mut TurnLanes, lane: usize, ball: &BallParts, frames: [Qua
 impl JointWork {
     /// A joint more, in this lane, with the impulses it had when the step began.
     fn add(&mut self, block: &JointBlock, turns: Option<&TurnLanes>, lane: usize) {
-        let point = if block.is_round { work::ROUND_POINT } else { work::POINT };
+        let (point, rows) = match block.is_round {
+            true => (work::ROUND_POINT, work::ROUND_POINT_ROWS),
+            false => (work::POINT, work::POINT_ROWS),
+        };
         let (mut ends, mut drags, mut ranges) = (0, 0, 0);
         if let Some(turns) = turns {
             let bears = |&(range, end): &(usize, usize)| turns.ranges[range].lambda[end][lane] > 0.0;
@@ -176,7 +188,7 @@ impl JointWork {
         }
         self.recovery += point + ends;
         self.sweep += point + ends + drags;
-        self.rows += work::POINT_ROWS + ranges;
+        self.rows += rows + ranges;
     }
 }
 
@@ -316,7 +328,7 @@ impl Joints {
             block.root_inertia[side][lane] = movers.inverse_root_inertia(place.bodies[side]);
             block.is_round &= movers.is_round(place.bodies[side]);
         }
-        let ball = BallParts::of(&joint.definition);
+        let ball = BallParts::at(&place, joint);
         if let Some(turns) = turns.as_deref_mut() {
             fill_turns(turns, lane, &ball, [resolved.frame_a, resolved.frame_b], h);
         }
@@ -415,7 +427,7 @@ impl Joints {
             let (lane, block) = (place.lane as usize, &mut self.blocks[place.block as usize]);
             let mut turns = self.turns.get_mut(block.turns as usize);
             let joint = joints.at_mut(place.joint);
-            let ball = BallParts::of(&joint.definition);
+            let ball = BallParts::at(place, joint);
             let mut stored = joint.lambdas.iter_mut();
             each_impulse(&ball, block, turns.as_deref_mut(), lane, |lambda| {
                 if let Some(stored) = stored.next() {
