@@ -12,6 +12,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Shares that are given out one by one, at most; with more outputs some have several.
 const MOST: usize = 64;
+/// Pauses, some ten microseconds, after which others of the machine may go first.
+const PATIENCE: u32 = 1000;
 /// Pauses in which a helper that is done leaves its job.
 const LEAVING: u32 = 8;
 
@@ -99,9 +101,17 @@ fn work_on<W: Cut, T>((mut whole, mut outputs): Share<'_, W, T>, work: &impl Fn(
     }
 }
 
+/// Without sleeping; where a helper seems to wait for a core, it may have this one.
 fn wait_for(open: &AtomicUsize) {
+    let mut waited = 0;
     while open.load(Ordering::Acquire) > 0 {
-        std::hint::spin_loop();
+        if waited < PATIENCE {
+            waited += 1;
+            std::hint::spin_loop();
+        } else {
+            waited = 0;
+            std::thread::yield_now();
+        }
     }
 }
 
