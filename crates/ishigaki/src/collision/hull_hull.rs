@@ -45,15 +45,21 @@ pub(crate) fn hull_hull(
     let bounds: SmallVec<[f32; 64]> = sources.clone().map(|source| centers.bound(&a, &b, source)).collect();
     let nearest = sources.clone().zip(&bounds).max_by(|p, q| p.1.total_cmp(q.1)).map(|(source, _)| source);
     let Some(nearest) = nearest.and_then(|source| face_axis(&a, &b, b_in_a, &a_in_b, source)) else { return };
-    // What is farther on the other side is not looked at: neither a normal nor a sliver.
+    // What is farther on the other side is neither a normal nor a sliver.
     let far = (nearest.separation - lead(nearest.separation)).min(-2.0 * tolerance.sliver);
+    let last = Source::from_hint(*hint).map(|(source, _)| source);
     let mut faces: SmallVec<[Axis; 64]> = SmallVec::new();
     for (source, &bound) in sources.zip(&bounds) {
+        // Where there was a last axis `sat.rs` asks for that and for what is near; else how many faces lie along each other.
+        let is_far = bound < far && last != Some(source);
+        if is_far && last.is_some() {
+            continue;
+        }
         let axis = match source {
-            Source::FaceA(face) if bound < far => {
+            Source::FaceA(face) if is_far => {
                 Axis { source, direction: a.faces[face as usize].normal, separation: bound }
             }
-            Source::FaceB(face) if bound < far => {
+            Source::FaceB(face) if is_far => {
                 let normal = b_in_a.rotation * b.faces[face as usize].normal;
                 Axis { source, direction: -normal, separation: bound }
             }
@@ -192,7 +198,7 @@ struct PlacedEdges {
     lanes: SmallVec<[EdgeLanes; 5]>,
 }
 
-/// What tells edges that are too far on the other side of their shape.
+/// What tells edges that are too far on the other side of their shape, in the frame of that.
 struct Reach {
     /// From the center of the one shape to that of the other, m.
     between: Vec3,
@@ -212,12 +218,14 @@ impl Reach {
 impl PlacedEdges {
     fn new(polyhedron: &Polyhedron, pose: &Pose, reach: &Reach) -> Self {
         let turn = Mat3::from_quat(pose.rotation);
-        let normals: SmallVec<[Vec3; 32]> = polyhedron.faces.iter().map(|face| turn * face.normal).collect();
         let place = |edge: u32| {
-            let normals = polyhedron.edges[edge as usize].faces.map(|face| normals[face as usize]);
+            let normals = polyhedron.edges[edge as usize].faces.map(|face| polyhedron.faces[face as usize].normal);
+            if !reach.may_matter(normals) {
+                return None;
+            }
             let [start, end] = polyhedron.edge_points(edge as usize);
-            let placed = || PlacedEdge { start: turn * start + pose.translation, along: turn * (end - start), normals };
-            reach.may_matter(normals).then(|| (edge, placed()))
+            let (start, along) = (turn * start + pose.translation, turn * (end - start));
+            Some((edge, PlacedEdge { start, along, normals: normals.map(|normal| turn * normal) }))
         };
         let edges: SmallVec<[(u32, PlacedEdge); 40]> = (0..polyhedron.edges.len() as u32).filter_map(place).collect();
         let mut lanes: SmallVec<[EdgeLanes; 5]> = SmallVec::new();
@@ -233,7 +241,8 @@ impl PlacedEdges {
 /// `least`.
 fn edge_axes(a: &Polyhedron, b: &Polyhedron, b_in_a: &Pose, least: f32, hint: u32) -> (Option<Axis>, Option<Axis>) {
     let of_a = Reach { between: *b_in_a * b.center - a.center, least: least + a.inner_radius + b.inner_radius };
-    let edges_b = PlacedEdges::new(b, b_in_a, &Reach { between: -of_a.between, ..of_a });
+    let of_b = Reach { between: b_in_a.rotation.inverse() * -of_a.between, ..of_a };
+    let edges_b = PlacedEdges::new(b, b_in_a, &of_b);
     let last = Source::from_hint(hint).map(|(source, _)| source);
     let mut best: Option<Axis> = None;
     let mut last_axis = None;
