@@ -211,7 +211,8 @@ impl Reach {
     /// the middle.
     fn may_matter(&self, normals: [Vec3; 2]) -> bool {
         let most = normals[0].dot(self.between).max(normals[1].dot(self.between)).max(0.0);
-        most >= self.least * 0.5 * (normals[0] + normals[1]).length()
+        let middle = 0.25 * (normals[0] + normals[1]).length_squared();
+        self.least <= 0.0 || most * most >= self.least * self.least * middle
     }
 }
 
