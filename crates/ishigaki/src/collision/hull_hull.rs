@@ -3,8 +3,9 @@
 //! An edge is an arc between the normals of its two faces on the unit sphere. Two edges can make a face of the
 //! Minkowski difference A − B, and so a separating axis, only if the arc of one crosses the negated arc of the
 //! other; most pairs are rejected by four dot products (Gregorius 2013, "The separating axis test between
-//! convex polyhedra"). Most edges do not even come to that: along a direction d the shapes are no farther apart than
-//! d·(c_B − c_A) − r_A − r_B, with balls of radii r about c inside them. Test: `tests/narrow_phase.rs` against a search over all axes in f64.
+//! convex polyhedra"). Most edges, and faces, do not even come to that: along a direction d the shapes are no farther
+//! apart than d·(c_B − c_A) − r_A − r_B, with balls of radii r about c inside them. Test: `tests/narrow_phase.rs` against a
+//! search over all axes in f64.
 
 use crate::collision::narrow_phase::LocalManifolds;
 use crate::collision::polyhedron::Polyhedron;
@@ -37,45 +38,13 @@ pub(crate) fn hull_hull(
         return;
     }
     let tolerance = Tolerance::new(margin, length_scale, a.inner_radius.min(b.inner_radius));
-    let lead = |separation: f32| LEAD * separation.abs() + 2.0 * tolerance.axis;
-    let centers = Centers { of_a_in_b: a_in_b * a.center, of_b_in_a: *b_in_a * b.center };
-    let sources_a = (0..a.faces.len() as u32).map(Source::FaceA);
-    let sources_b = (0..b.faces.len() as u32).map(Source::FaceB);
-    let sources = sources_a.chain(sources_b);
-    let bounds: SmallVec<[f32; 64]> = sources.clone().map(|source| centers.bound(&a, &b, source)).collect();
-    let nearest = sources.clone().zip(&bounds).max_by(|p, q| p.1.total_cmp(q.1)).map(|(source, _)| source);
-    let Some(nearest) = nearest.and_then(|source| face_axis(&a, &b, b_in_a, &a_in_b, source)) else { return };
-    // What is farther on the other side is neither a normal nor a sliver.
-    let far = (nearest.separation - lead(nearest.separation)).min(-2.0 * tolerance.sliver);
-    let last = Source::from_hint(*hint).map(|(source, _)| source);
-    let mut faces: SmallVec<[Axis; 64]> = SmallVec::new();
-    for (source, &bound) in sources.zip(&bounds) {
-        // Where there was a last axis `sat.rs` asks for that and for what is near; else how many faces lie along each other.
-        let is_far = bound < far && last != Some(source);
-        if is_far && last.is_some() {
-            continue;
-        }
-        let axis = match source {
-            Source::FaceA(face) if is_far => {
-                Axis { source, direction: a.faces[face as usize].normal, separation: bound }
-            }
-            Source::FaceB(face) if is_far => {
-                let normal = b_in_a.rotation * b.faces[face as usize].normal;
-                Axis { source, direction: -normal, separation: bound }
-            }
-            _ => match face_axis(&a, &b, b_in_a, &a_in_b, source) {
-                Some(axis) => axis,
-                None => continue,
-            },
-        };
-        if axis.separation > margin {
-            *hint = axis.source.to_hint(true);
-            return;
-        }
-        faces.push(axis);
+    let mut faces = SmallVec::new();
+    if let Some(apart) = face_axes((&a, &b), (b_in_a, &a_in_b), &tolerance, *hint, &mut faces) {
+        *hint = apart.to_hint(true);
+        return;
     }
     let greatest = greatest_separation(&faces);
-    let (edges, last_edges) = edge_axes(&a, &b, b_in_a, greatest - lead(greatest), *hint);
+    let (edges, last_edges) = edge_axes(&a, &b, b_in_a, greatest - lead(greatest, &tolerance), *hint);
     if let Some(apart) = edges.filter(|axis| axis.separation > margin) {
         *hint = apart.source.to_hint(true);
         return;
@@ -92,6 +61,52 @@ pub(crate) fn hull_hull(
             }
         }
     }
+}
+
+/// How much worse than the best an axis must be to matter to nobody, m.
+fn lead(best: f32, tolerance: &Tolerance) -> f32 {
+    LEAD * best.abs() + 2.0 * tolerance.axis
+}
+
+/// The axes of all faces that may matter to `sat.rs`, A's first; or one along which the shapes are apart.
+fn face_axes(
+    (a, b): (&Polyhedron, &Polyhedron),
+    (b_in_a, a_in_b): (&Pose, &Pose),
+    tolerance: &Tolerance,
+    hint: u32,
+    faces: &mut SmallVec<[Axis; 64]>,
+) -> Option<Source> {
+    let centers = Centers { of_a_in_b: *a_in_b * a.center, of_b_in_a: *b_in_a * b.center };
+    let sources_a = (0..a.faces.len() as u32).map(Source::FaceA);
+    let sources = sources_a.chain((0..b.faces.len() as u32).map(Source::FaceB));
+    let bounds: SmallVec<[f32; 64]> = sources.clone().map(|source| centers.bound(a, b, source)).collect();
+    let (nearest, _) = sources.clone().zip(&bounds).max_by(|p, q| p.1.total_cmp(q.1))?;
+    let nearest = face_axis(a, b, b_in_a, a_in_b, nearest)?.separation;
+    // What is farther on the other side is neither a normal nor a sliver.
+    let far = (nearest - lead(nearest, tolerance)).min(-2.0 * tolerance.sliver);
+    let last = Source::from_hint(hint).map(|(source, _)| source);
+    for (source, &bound) in sources.zip(&bounds) {
+        // Where there was a last axis it is asked for, and what is near; else how many faces lie along each other.
+        let is_far = bound < far && last != Some(source);
+        if is_far && last.is_some() {
+            continue;
+        }
+        let axis = match source {
+            Source::FaceA(face) if is_far => {
+                Axis { source, direction: a.faces[face as usize].normal, separation: bound }
+            }
+            Source::FaceB(face) if is_far => {
+                let normal = b_in_a.rotation * b.faces[face as usize].normal;
+                Axis { source, direction: -normal, separation: bound }
+            }
+            _ => face_axis(a, b, b_in_a, a_in_b, source)?,
+        };
+        if axis.separation > tolerance.margin {
+            return Some(source);
+        }
+        faces.push(axis);
+    }
+    None
 }
 
 /// Centers of both shapes, each in the frame of the other, m.
