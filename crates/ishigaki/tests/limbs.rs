@@ -1,4 +1,5 @@
 //! A limb that lies on the ground with one end, and is hit on the other, is not driven into the ground.
+use ishigaki::collision::narrow_phase::{LocalManifolds, find_manifolds};
 use ishigaki::*;
 
 const RADIUS: f32 = 0.055;
@@ -38,6 +39,29 @@ fn what_hits_a_limb_does_not_drive_it_into_the_ground() {
                 let depth = depth_when_hit(tilt, speed, steps_per_second);
                 assert!(depth < RADIUS, "tilt {tilt}, {speed} m/s, {steps_per_second} Hz: {} mm", 1e3 * depth);
             }
+        }
+    }
+}
+
+/// Tilted by asin(rise / length), its higher end is `rise` above the lower one.
+#[test]
+fn a_capsule_near_a_half_space_has_points_at_both_ends() {
+    let (half_length, radius) = (0.2, 0.05);
+    let (floor, capsule) = (Geometry::HalfSpace { normal: Vec3::Y }, Geometry::Capsule { half_length, radius });
+    for (rise, lowest, ends) in
+        [(0.0, 0.0, 2), (0.1, -0.01, 2), (0.18, 0.019, 2), (0.25, 0.0, 1), (0.4, 0.0, 1), (0.1, 0.021, 0)]
+    {
+        let sine = rise / (2.0 * half_length);
+        let along = Vec3::new((1.0_f32 - sine * sine).sqrt(), sine, 0.0);
+        let center = Vec3::Y * (lowest + radius + half_length * sine);
+        let pose = Pose::from_parts(center, Quat::from_rotation_arc(Vec3::Y, along));
+        let mut out = LocalManifolds::new();
+        find_manifolds(&floor, &capsule, &pose, 0.02, 1.0, &mut 0, &mut out);
+        let mut gaps: Vec<f32> = out.iter().flat_map(|m| &m.points).map(|p| p.separation).collect();
+        gaps.sort_by(f32::total_cmp);
+        assert_eq!(gaps.len(), ends, "rise {rise}: {gaps:?}");
+        for (gap, expected) in gaps.iter().zip([lowest, lowest + rise]) {
+            assert!((gap - expected).abs() < 1e-5, "rise {rise}: {gap} {expected}");
         }
     }
 }

@@ -25,11 +25,8 @@ thread_local! {
 /// A part of the whole and where its outputs go.
 type Share<'a, W, T> = (W, &'a mut [T]);
 
-/// All shares, and how many of them are not done.
-struct Shares<'a, W, T> {
-    shares: ArrayVec<Mutex<Option<Share<'a, W, T>>>, MOST>,
-    open: AtomicUsize,
-}
+/// All shares; whoever takes one leaves nothing in its place.
+struct Shares<'a, W, T>(ArrayVec<Mutex<Option<Share<'a, W, T>>>, MOST>);
 
 /// Calls `work` with a part of `whole` for each output, side by side on the threads of a team.
 pub(super) fn share_out<W: Cut, T: Send>(team: &Team, whole: W, outputs: &mut [T], work: &(impl Fn(W, &mut T) + Sync)) {
@@ -47,7 +44,7 @@ pub(super) fn share_out<W: Cut, T: Send>(team: &Team, whole: W, outputs: &mut [T
             });
         }
         shares.take(team, work);
-        wait_for(&shares.open);
+        // Nothing is left to take: what is not done is in the hands of helpers.
         wait_for(&at_work);
         // A scope that finds a helper still inside sleeps until it is out.
         (0..LEAVING).for_each(|_| std::hint::spin_loop());
@@ -68,20 +65,19 @@ impl<'a, W: Cut, T: Send> Shares<'a, W, T> {
             (whole, outputs) = (rest, of_rest);
         }
         shares.push(Mutex::new(Some((whole, outputs))));
-        Self { shares, open: AtomicUsize::new(count) }
+        Self(shares)
     }
 
     /// Works on what nobody has taken yet, from the place of this thread on.
     fn take(&self, team: &Team, work: &impl Fn(W, &mut T)) {
         let _at_work = AtWork::begin();
         let number = team.helper().map_or(0, |helper| helper + 1);
-        let count = self.shares.len();
+        let count = self.0.len();
         let first = count * number / team.threads();
         for k in 0..count {
             // Whoever holds the lock is about to take it.
-            let share = self.shares[(first + k) % count].try_lock().ok().and_then(|mut share| share.take());
+            let share = self.0[(first + k) % count].try_lock().ok().and_then(|mut share| share.take());
             if let Some(share) = share {
-                let _done = Done(&self.open);
                 work_on(share, work);
             }
         }
@@ -102,9 +98,9 @@ fn work_on<W: Cut, T>((mut whole, mut outputs): Share<'_, W, T>, work: &impl Fn(
 }
 
 /// Without sleeping; where a helper seems to wait for a core, it may have this one.
-fn wait_for(open: &AtomicUsize) {
+fn wait_for(helpers: &AtomicUsize) {
     let mut waited = 0;
-    while open.load(Ordering::Acquire) > 0 {
+    while helpers.load(Ordering::Acquire) > 0 {
         if waited < PATIENCE {
             waited += 1;
             std::hint::spin_loop();
@@ -131,7 +127,7 @@ impl Drop for AtWork {
     }
 }
 
-/// Counts a share or a helper as done when it goes, also where the work panics: the caller waits for it.
+/// Counts a helper as done when it goes, also where the work panics: the caller waits for it.
 struct Done<'a>(&'a AtomicUsize);
 
 impl Drop for Done<'_> {
