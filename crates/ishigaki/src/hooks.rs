@@ -78,6 +78,6 @@ impl Contact {
     /// Drops all points for this step: the bodies pass through each other.
     pub fn drop_points(&mut self) {
         self.manifolds.clear();
-        self.frozen = None;
+        self.frozen = false;
     }
 }

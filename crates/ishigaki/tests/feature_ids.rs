@@ -2,15 +2,16 @@
 
 use ishigaki::collision::feature_id::FeatureId;
 use ishigaki::collision::narrow_phase::{LocalManifolds, find_manifolds};
+use ishigaki::collision::pair_memory::PairMemory;
 use ishigaki::{Geometry, Pose, Quat, Vec3};
 
 fn cuboid(x: f32, y: f32, z: f32) -> Geometry {
     Geometry::Cuboid { half_extents: Vec3::new(x, y, z) }
 }
 
-fn ids(a: &Geometry, b: &Geometry, pose: &Pose, hint: &mut u32) -> Vec<FeatureId> {
+fn ids(a: &Geometry, b: &Geometry, pose: &Pose, memory: &mut PairMemory) -> Vec<FeatureId> {
     let mut out = LocalManifolds::new();
-    find_manifolds(a, b, pose, 0.02, 1.0, hint, &mut out);
+    find_manifolds(a, b, pose, 0.02, 1.0, memory, &mut out);
     let ids: Vec<_> = out.iter().flat_map(|m| m.points.iter().map(|p| p.id)).collect();
     let mut unique = ids.clone();
     unique.sort();
@@ -21,11 +22,11 @@ fn ids(a: &Geometry, b: &Geometry, pose: &Pose, hint: &mut u32) -> Vec<FeatureId
 
 /// Part of the points that find their id in the frame before, over a scripted motion.
 fn match_rate(a: &Geometry, b: &Geometry, frames: usize, pose: impl Fn(f32) -> Pose) -> f32 {
-    let mut hint = 0;
-    let mut before = ids(a, b, &pose(0.0), &mut hint);
+    let mut memory = PairMemory::default();
+    let mut before = ids(a, b, &pose(0.0), &mut memory);
     let (mut matched, mut total) = (0, 0);
     for frame in 1..frames {
-        let now = ids(a, b, &pose(frame as f32 / 60.0), &mut hint);
+        let now = ids(a, b, &pose(frame as f32 / 60.0), &mut memory);
         assert!(!now.is_empty(), "contact lost in frame {frame}");
         matched += now.iter().filter(|id| before.contains(id)).count();
         total += now.len();
@@ -87,9 +88,10 @@ fn the_other_reference_face_gives_the_same_ids() {
     for step in 0..1000 {
         let turn = Quat::from_rotation_y(0.0031 * step as f32 + 0.017);
         let pose = Pose::from_parts(Vec3::new(0.123, 0.797, -0.217), turn);
-        let mut now = ids(&a, &b, &pose, &mut 0);
+        let mut now = ids(&a, &b, &pose, &mut PairMemory::default());
         // Of equally good faces the first shape's is the reference: the other order has the other reference.
-        let mut other: Vec<_> = ids(&b, &a, &pose.inverse(), &mut 0).into_iter().map(FeatureId::swapped).collect();
+        let mut other: Vec<_> =
+            ids(&b, &a, &pose.inverse(), &mut PairMemory::default()).into_iter().map(FeatureId::swapped).collect();
         now.sort();
         other.sort();
         same += usize::from(now == other);

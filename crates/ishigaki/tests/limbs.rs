@@ -1,5 +1,6 @@
 //! A limb that lies on the ground with one end, and is hit on the other, is not driven into the ground.
 use ishigaki::collision::narrow_phase::{LocalManifolds, find_manifolds};
+use ishigaki::collision::pair_memory::PairMemory;
 use ishigaki::*;
 
 const RADIUS: f32 = 0.055;
@@ -56,7 +57,7 @@ fn a_capsule_near_a_half_space_has_points_at_both_ends() {
         let center = Vec3::Y * (lowest + radius + half_length * sine);
         let pose = Pose::from_parts(center, Quat::from_rotation_arc(Vec3::Y, along));
         let mut out = LocalManifolds::new();
-        find_manifolds(&floor, &capsule, &pose, 0.02, 1.0, &mut 0, &mut out);
+        find_manifolds(&floor, &capsule, &pose, 0.02, 1.0, &mut PairMemory::default(), &mut out);
         let mut gaps: Vec<f32> = out.iter().flat_map(|m| &m.points).map(|p| p.separation).collect();
         gaps.sort_by(f32::total_cmp);
         assert_eq!(gaps.len(), ends, "rise {rise}: {gaps:?}");

@@ -5,6 +5,7 @@ mod oracle;
 use ishigaki::collision::feature_id::FeatureId;
 use ishigaki::collision::manifold::LocalManifold;
 use ishigaki::collision::narrow_phase::{LocalManifolds, find_manifolds};
+use ishigaki::collision::pair_memory::PairMemory;
 use ishigaki::{ConvexHull, Geometry, HeightField, Pose, Quat, TriangleMesh, Vec3};
 use oracle::{Body, Random, separation_along, signed_distance};
 use parry3d::glamx::{DQuat, DVec3};
@@ -12,9 +13,16 @@ use std::sync::Arc;
 
 const MARGIN: f32 = 0.02;
 
-fn find(a: &Geometry, b: &Geometry, pose: &Pose, scale: f32, hint: &mut u32) -> LocalManifolds {
+/// That of a broken snapshot.
+fn with_axis(axis: u32) -> PairMemory {
+    let mut memory = PairMemory::default();
+    memory.axis = axis;
+    memory
+}
+
+fn find(a: &Geometry, b: &Geometry, pose: &Pose, scale: f32, memory: &mut PairMemory) -> LocalManifolds {
     let mut out = LocalManifolds::new();
-    find_manifolds(a, b, pose, MARGIN * scale, scale, hint, &mut out);
+    find_manifolds(a, b, pose, MARGIN * scale, scale, memory, &mut out);
     for manifold in &out {
         let mut ids: Vec<FeatureId> = manifold.points.iter().map(|p| p.id).collect();
         ids.sort();
@@ -120,7 +128,7 @@ struct Seen {
 fn check_pair(a: &Geometry, b: &Geometry, bodies: (&Body, &Body), pose: &Pose, scale: f32, seen: &mut Seen) {
     let (body_a, body_b) = (bodies.0, &place(bodies.1, pose));
     let truth = signed_distance(body_a, body_b);
-    let out = find(a, b, pose, scale, &mut 0);
+    let out = find(a, b, pose, scale, &mut PairMemory::default());
     let scale64 = scale as f64;
     let noise = 2e-5 * scale64;
     let Some(manifold) = out.first() else {
@@ -157,7 +165,7 @@ fn check_pair(a: &Geometry, b: &Geometry, bodies: (&Body, &Body), pose: &Pose, s
     if truth < -0.03 * scale64 {
         return;
     }
-    let mirror = find(b, a, &pose.inverse(), scale, &mut 0);
+    let mirror = find(b, a, &pose.inverse(), scale, &mut PairMemory::default());
     let ids = |m: &LocalManifold| {
         let mut ids: Vec<FeatureId> = m.points.iter().map(|p| p.id).collect();
         ids.sort();
@@ -261,14 +269,14 @@ fn a_half_space_touches_every_solid_where_it_is_lowest() {
             let pose = Pose::from_parts(Vec3::Y * random.within(-0.5, 1.0), rotation);
             // The bounds are tight for all of these, so their lowest point is the truth.
             let lowest = solid.bounds(&pose).0.y;
-            let out = find(&floor, solid, &pose, 1.0, &mut 0);
+            let out = find(&floor, solid, &pose, 1.0, &mut PairMemory::default());
             if lowest > MARGIN + 1e-5 {
                 assert!(out.is_empty());
             } else if lowest < MARGIN - 1e-5 {
                 assert_eq!(out[0].normal, -Vec3::Y, "B's normal points into the floor");
                 assert!((deepest(&out[0]) - lowest).abs() < 2e-4, "{solid:?}: {} {lowest}", deepest(&out[0]));
             }
-            let mirror = find(solid, &floor, &pose.inverse(), 1.0, &mut 0);
+            let mirror = find(solid, &floor, &pose.inverse(), 1.0, &mut PairMemory::default());
             assert_eq!(mirror.len(), out.len());
         }
     }
@@ -293,13 +301,13 @@ fn cylinders_and_cones_stand_on_spread_points_with_constant_names() {
         [Geometry::Cylinder { half_height: 1.0, radius: 0.5 }, Geometry::Cone { half_height: 1.0, radius: 0.5 }];
     for (floor, top) in &floors {
         for solid in &solids {
-            let mut hint = 0;
+            let mut memory = PairMemory::default();
             let mut names: Option<Vec<FeatureId>> = None;
             for step in 0..20 {
                 // It trembles as a body at rest does.
                 let tremble = 1e-5 * (step as f64).sin() as f32;
                 let pose = Pose::from_parts(Vec3::new(0.02, top + 0.997, 0.03), Quat::from_rotation_x(tremble));
-                let out = find(floor, solid, &pose, 1.0, &mut hint);
+                let out = find(floor, solid, &pose, 1.0, &mut memory);
                 let points: Vec<_> = out.iter().flat_map(|m| m.points.iter()).collect();
                 assert!(points.len() >= 3, "{floor:?} {solid:?}: {out:?}");
                 for manifold in &out {
@@ -327,15 +335,16 @@ fn what_lies_flat_touches_in_more_than_one_point() {
     let along = |x: f32, y: f32| Pose::from_parts(Vec3::new(x, y, 0.0), lying);
     for solid in [&capsule, &cylinder] {
         // On a face; on an edge of the table from outside it has the face's direction still.
-        let out = find(&table, solid, &along(0.1, 0.697), 1.0, &mut 0);
+        let out = find(&table, solid, &along(0.1, 0.697), 1.0, &mut PairMemory::default());
         assert_eq!(out[0].points.len(), 2, "{out:?}");
         assert!(spread(&out[0]).1 > 0.79);
         // Two of a kind, side by side.
-        let out = find(solid, solid, &Pose::from_translation(Vec3::new(0.397, 0.2, 0.0)), 1.0, &mut 0);
+        let out =
+            find(solid, solid, &Pose::from_translation(Vec3::new(0.397, 0.2, 0.0)), 1.0, &mut PairMemory::default());
         assert_eq!(out[0].points.len(), 2, "{out:?}");
     }
     // A capsule along an edge, seen from 45°.
-    let out = find(&table, &capsule, &along(1.0 + 0.14, 0.5 + 0.14), 1.0, &mut 0);
+    let out = find(&table, &capsule, &along(1.0 + 0.14, 0.5 + 0.14), 1.0, &mut PairMemory::default());
     assert_eq!(out[0].points.len(), 2, "{out:?}");
 }
 
@@ -356,7 +365,7 @@ fn curved_pairs_separate_by_the_depth_they_report() {
             let pose = random_pose(&mut random, 1.0);
             let (shape_a, shape_b) = (a.to_parry().unwrap(), b.to_parry().unwrap());
             let identity = Pose::IDENTITY;
-            let out = find(a, b, &pose, 1.0, &mut 0);
+            let out = find(a, b, &pose, 1.0, &mut PairMemory::default());
             let distance = parry3d::query::distance(&identity, &*shape_a.0, &pose, &*shape_b.0).unwrap().distance;
             let Some(manifold) = out.first() else {
                 let contact = parry3d::query::contact(&identity, &*shape_a.0, &pose, &*shape_b.0, 0.0).unwrap();
@@ -434,11 +443,11 @@ fn nothing_stumbles_over_a_flat_mesh_or_terrain() {
     for floor in [&mesh, &field] {
         for (solid, rotation, lowest) in sliders() {
             for overlap in [0.0, 0.001, 0.005] {
-                let mut hint = 0;
+                let mut memory = PairMemory::default();
                 for step in 0..400 {
                     let x = -1.5 + 0.0076 * step as f32;
                     let pose = Pose::from_parts(Vec3::new(x, lowest - overlap, 0.3 * x + 0.1), rotation);
-                    let out = find(floor, &solid, &pose, 1.0, &mut hint);
+                    let out = find(floor, &solid, &pose, 1.0, &mut memory);
                     let depth = out.iter().map(deepest).fold(f32::INFINITY, f32::min);
                     assert!((depth + overlap).abs() < 2e-4, "{solid:?} at {x}: {depth}, overlap {overlap}");
                     for manifold in &out {
@@ -455,13 +464,13 @@ fn nothing_stumbles_over_the_seam_of_flush_boxes() {
     let floor = cuboid(1.0, 0.5, 1.0);
     for (solid, rotation, lowest) in sliders() {
         for overlap in [0.0, 0.001, 0.003, 0.005] {
-            let mut hints = [0; 2];
+            let mut memories = [PairMemory::default(); 2];
             for step in 0..1000 {
                 let x = -0.8 + 0.00163 * step as f32;
                 let mut touched = false;
-                for (hint, center) in hints.iter_mut().zip([-1.0, 1.0]) {
+                for (memory, center) in memories.iter_mut().zip([-1.0, 1.0]) {
                     let position = Vec3::new(x - center, 0.5 + lowest - overlap, 0.1);
-                    let out = find(&floor, &solid, &Pose::from_parts(position, rotation), 1.0, hint);
+                    let out = find(&floor, &solid, &Pose::from_parts(position, rotation), 1.0, memory);
                     for manifold in &out {
                         touched = true;
                         let tilt = (manifold.normal + Vec3::Y).length();
@@ -482,23 +491,24 @@ fn ridges_and_borders_of_a_mesh_give_normals_between_their_faces() {
     // A roof: its ridge runs along Z at the height 1, its sides fall at 45°.
     let roof = Geometry::TriangleMesh(Arc::new(grid(2, 1.0, |x, _| 1.0 - x.abs())));
     let ball = Geometry::Ball { radius: 0.3 };
-    let out = find(&roof, &ball, &Pose::from_translation(Vec3::new(0.05, 1.29, 0.3)), 1.0, &mut 0);
+    let out = find(&roof, &ball, &Pose::from_translation(Vec3::new(0.05, 1.29, 0.3)), 1.0, &mut PairMemory::default());
     assert_eq!(out.len(), 1, "one triangle has the ridge: {out:?}");
     let expected = -Vec3::new(0.05, 0.29, 0.0).normalize();
     assert!((out[0].normal - expected).length() < 1e-3, "{out:?}");
     let plank = cuboid(0.4, 0.1, 0.1);
-    let out = find(&roof, &plank, &Pose::from_translation(Vec3::new(0.1, 1.098, 0.3)), 1.0, &mut 0);
+    let out = find(&roof, &plank, &Pose::from_translation(Vec3::new(0.1, 1.098, 0.3)), 1.0, &mut PairMemory::default());
     assert!(!out.is_empty());
     for manifold in &out {
         assert!((manifold.normal + Vec3::Y).length() < 1e-3, "a plank on a ridge stands upright: {out:?}");
     }
     // From below, or with its center under the surface, nothing.
-    let below = find(&roof, &ball, &Pose::from_translation(Vec3::new(0.5, 0.3, 0.3)), 1.0, &mut 0);
+    let below = find(&roof, &ball, &Pose::from_translation(Vec3::new(0.5, 0.3, 0.3)), 1.0, &mut PairMemory::default());
     assert!(below.is_empty(), "{below:?}");
     // A body that sank into a terrain is pushed up.
     let field = Geometry::HeightField(Arc::new(HeightField::new(3, 3, vec![0.0; 9], 4.0, 4.0).unwrap()));
     for solid in [&ball, &plank] {
-        let out = find(&field, solid, &Pose::from_translation(Vec3::new(0.3, -0.05, 0.2)), 1.0, &mut 0);
+        let out =
+            find(&field, solid, &Pose::from_translation(Vec3::new(0.3, -0.05, 0.2)), 1.0, &mut PairMemory::default());
         assert!(!out.is_empty() && out.iter().all(|m| (m.normal + Vec3::Y).length() < 1e-3), "{out:?}");
     }
 }
@@ -534,10 +544,10 @@ fn degenerate_input_gives_finite_contacts_and_no_panic() {
     ];
     for a in &shapes {
         for b in &shapes {
-            assert!(find(a, b, &bad, 1.0, &mut 0).is_empty());
+            assert!(find(a, b, &bad, 1.0, &mut PairMemory::default()).is_empty());
             for pose in &poses {
-                for hint in [0, 1 << 26, 2 << 26 | 77, 3 << 26 | 0x3ff_ffff, u32::MAX] {
-                    for manifold in find(a, b, pose, 1.0, &mut hint.clone()) {
+                for axis in [0, 1 << 26, 2 << 26 | 77, 3 << 26 | 0x3ff_ffff, u32::MAX] {
+                    for manifold in find(a, b, pose, 1.0, &mut with_axis(axis)) {
                         assert!(!manifold.points.is_empty());
                         assert!(manifold.points.iter().all(|p| p.separation.is_finite() && p.on_a.is_finite()));
                     }
@@ -548,7 +558,7 @@ fn degenerate_input_gives_finite_contacts_and_no_panic() {
     // Identical centers: solids overlap and must say so.
     for a in &shapes[..8] {
         for b in &shapes[..8] {
-            assert!(!find(a, b, &Pose::IDENTITY, 1.0, &mut 0).is_empty(), "{a:?} {b:?}");
+            assert!(!find(a, b, &Pose::IDENTITY, 1.0, &mut PairMemory::default()).is_empty(), "{a:?} {b:?}");
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::chart::{Chart, Mark};
 use crate::{Experiment, Lab, Result, Verdict};
 use glam::{DQuat, DVec3};
 use ishigaki::collision::narrow_phase::{LocalManifolds, find_manifolds};
+use ishigaki::collision::pair_memory::PairMemory;
 use ishigaki::constraint::frame::{BodyFrame, JointStep};
 use ishigaki::constraint::joint_rows::ResolvedJoint;
 use ishigaki::constraint::row::Jacobian;
@@ -106,7 +107,7 @@ fn contact(a: &Geometry, b: &Geometry, random: &mut Random) -> Vec<f64> {
     let mut manifolds = LocalManifolds::new();
     // Toward each other until they are near.
     for _ in 0..200 {
-        find_manifolds(a, b, &b_in_a, 0.02, 1.0, &mut 0, &mut manifolds);
+        find_manifolds(a, b, &b_in_a, 0.02, 1.0, &mut PairMemory::default(), &mut manifolds);
         if manifolds.iter().any(|m| !m.points.is_empty()) {
             break;
         }

@@ -97,13 +97,7 @@ pub struct Contact {
     /// Had points (or overlap, for sensors) in the last step.
     pub(crate) touching: bool,
     /// Set while the pair is frozen by aggressive sleep.
-    pub(crate) frozen: Option<Frozen>,
-}
-
-/// Relative pose of a pair when aggressive sleep froze it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Frozen {
-    pub b_in_a: crate::math::Pose,
+    pub(crate) frozen: bool,
 }
 
 impl Contact {
@@ -122,7 +116,7 @@ impl Contact {
             surface_velocity: Vec3::ZERO,
             sensor,
             touching: false,
-            frozen: None,
+            frozen: false,
         }
     }
 
@@ -138,6 +132,6 @@ impl Contact {
 
     /// Whether aggressive sleep keeps its rows from the last step.
     pub fn is_frozen(&self) -> bool {
-        self.frozen.is_some()
+        self.frozen
     }
 }

@@ -5,6 +5,7 @@ use crate::collision::half_space::half_space;
 use crate::collision::hull_hull::hull_hull;
 use crate::collision::manifold::LocalManifold;
 use crate::collision::other_pairs::other_pair;
+use crate::collision::pair_memory::PairMemory;
 use crate::collision::polyhedron::{BoxPolyhedron, Polyhedron};
 use crate::collision::round::{
     PlacedCapsule, ball_ball, capsule_ball, capsule_capsule, nearest_on_box, nearest_on_polyhedron, polyhedron_ball,
@@ -19,8 +20,9 @@ pub type LocalManifolds = SmallVec<[LocalManifold; 1]>;
 
 /// Finds all manifolds of A and B with separations up to `margin` (m).
 ///
-/// Everything is in the frame of A; `b_in_a` is the pose of B there. `hint` is remembered between steps by
-/// the caller (0 at first) and lets the kernel prefer the axis of the last step. `length_scale` is the
+/// Everything is in the frame of A; `b_in_a` is the pose of B there. `memory` is kept between steps by
+/// the caller (the default at first), for one pair of shapes that do not change: it lets the kernel prefer the axis of
+/// the last step, and leave out what cannot have changed. `length_scale` is the
 /// typical size of a body, m: tolerances are multiples of it. Poses that are not finite give no manifold.
 pub fn find_manifolds(
     a: &Geometry,
@@ -28,7 +30,7 @@ pub fn find_manifolds(
     b_in_a: &Pose,
     margin: f32,
     length_scale: f32,
-    hint: &mut u32,
+    memory: &mut PairMemory,
     out: &mut LocalManifolds,
 ) {
     out.clear();
@@ -38,10 +40,10 @@ pub fn find_manifolds(
     // Every kernel is written for one order; the other order is its mirror image.
     if rank(a) < rank(b) {
         let a_in_b = b_in_a.inverse();
-        find_ordered(b, a, &a_in_b, margin, length_scale, hint, out);
+        find_ordered(b, a, &a_in_b, margin, length_scale, memory, out);
         out.iter_mut().for_each(|manifold| manifold.mirror(b_in_a));
     } else {
-        find_ordered(a, b, b_in_a, margin, length_scale, hint, out);
+        find_ordered(a, b, b_in_a, margin, length_scale, memory, out);
     }
 }
 
@@ -65,7 +67,7 @@ fn find_ordered(
     b_in_a: &Pose,
     margin: f32,
     length_scale: f32,
-    hint: &mut u32,
+    memory: &mut PairMemory,
     out: &mut LocalManifolds,
 ) {
     use Geometry::{Ball, Capsule, ConvexHull, Cuboid, HalfSpace};
@@ -95,16 +97,21 @@ fn find_ordered(
             polyhedron_ball(&hull.view(), nearest, (*radius, center), margin, length_scale, out);
         }
         (Cuboid { half_extents: half_a }, Cuboid { half_extents: half_b }) => {
-            box_box(*half_a, *half_b, b_in_a, margin, length_scale, hint, out);
+            box_box(*half_a, *half_b, b_in_a, margin, length_scale, &mut memory.axis, out);
         }
         (Cuboid { .. } | ConvexHull(_), Capsule { half_length, radius }) => with_polyhedron(a, |solid| {
             let capsule = PlacedCapsule::new(*half_length, *radius, b_in_a);
             polyhedron_capsule(&solid, &capsule, margin, length_scale, out);
         }),
-        (Cuboid { .. } | ConvexHull(_), Cuboid { .. } | ConvexHull(_)) => with_polyhedron(a, |a| {
-            with_polyhedron(b, |b| hull_hull(a, b, b_in_a, margin, length_scale, hint, out));
-        }),
-        _ => other_pair(a, b, b_in_a, margin, length_scale, hint, out),
+        (Cuboid { .. } | ConvexHull(_), Cuboid { .. } | ConvexHull(_)) => {
+            let known = memory.recall(b_in_a, b.outer_radius());
+            if !known.is_gap_beyond(margin) {
+                with_polyhedron(a, |a| {
+                    with_polyhedron(b, |b| hull_hull((a, b), b_in_a, (margin, length_scale), (known, memory), out));
+                });
+            }
+        }
+        _ => other_pair(a, b, b_in_a, margin, length_scale, &mut memory.axis, out),
     }
 }
 

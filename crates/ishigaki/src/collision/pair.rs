@@ -3,7 +3,8 @@
 //! Only pairs with contact points have a [`Contact`](crate::collision::manifold::Contact), which is some ten times
 //! as large. Both lists are sorted by (shape_a, shape_b), and every contact has its pair.
 
-use crate::collision::manifold::{Contact, Frozen};
+use crate::collision::manifold::Contact;
+use crate::collision::pair_memory::PairMemory;
 use serde::{Deserialize, Serialize};
 
 /// A pair of shapes whose fat bounds overlap.
@@ -12,16 +13,13 @@ pub(crate) struct Pair {
     /// Slots of the shapes; `shape_a < shape_b`.
     pub shape_a: u32,
     pub shape_b: u32,
-    /// What the narrow phase remembers: the separating axis of the last step.
-    pub hint: u32,
-    /// Set while a pair without contact points is frozen by aggressive sleep; those with points know it themselves.
-    pub frozen: Option<Frozen>,
+    pub memory: PairMemory,
 }
 
 impl Pair {
     /// As the broad phase has just found it.
     pub fn new((shape_a, shape_b): (u32, u32)) -> Self {
-        Self { shape_a, shape_b, hint: 0, frozen: None }
+        Self { shape_a, shape_b, memory: PairMemory::default() }
     }
 
     pub fn key(&self) -> (u32, u32) {
@@ -76,16 +74,23 @@ pub(crate) fn append<T>(list: &mut Vec<T>, more: &mut Vec<T>) {
 mod tests {
     use super::*;
 
+    fn with_axis(axis: u32) -> PairMemory {
+        let mut memory = PairMemory::default();
+        memory.axis = axis;
+        memory
+    }
+
     /// All ways to deal six keys to two lists.
     #[test]
     fn lists_are_merged_in_order() {
         let keys: Vec<(u32, u32)> = (0..6).map(|i| (i / 3, 3 + i)).collect();
         for dealt in 0..64_u32 {
             let (new, old): (Vec<_>, Vec<_>) = keys.iter().partition(|key| dealt >> (key.1 - 3) & 1 == 1);
-            let mut pairs: Vec<Pair> = old.iter().map(|&key: &(u32, u32)| Pair { hint: 7, ..Pair::new(key) }).collect();
+            let memory = with_axis(7);
+            let mut pairs: Vec<Pair> = old.iter().map(|&key: &(u32, u32)| Pair { memory, ..Pair::new(key) }).collect();
             insert_pairs(&mut pairs, &new);
             assert!(pairs.iter().map(Pair::key).eq(keys.iter().copied()), "{dealt}");
-            assert!(pairs.iter().all(|p| (p.hint == 7) == old.contains(&p.key())));
+            assert!(pairs.iter().all(|p| (p.memory.axis == 7) == old.contains(&p.key())));
             let make = |keys: &[(u32, u32)]| keys.iter().map(|&key| Contact::new(key, key, false)).collect::<Vec<_>>();
             let (mut contacts, mut fresh) = (make(&old), make(&new));
             insert_contacts(&mut contacts, &mut fresh);

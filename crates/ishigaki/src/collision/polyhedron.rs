@@ -3,6 +3,7 @@
 //! A box has the topology of every box, so its tables are constants; only vertices and planes are computed.
 //! The numbers given here to vertices, edges and faces are those of the contact ids: they never change.
 
+use crate::collision::side_by_side::SideBySide;
 use crate::math::{Pose, Vec3};
 use crate::shape::hull::{ConvexHull, Edge, Face};
 use smallvec::SmallVec;
@@ -21,6 +22,8 @@ pub(crate) struct Polyhedron<'a> {
     pub center: Vec3,
     /// Radius of a ball inside about the center, m: the size that tolerances are capped by.
     pub inner_radius: f32,
+    /// The same for searches, where that is kept.
+    pub side_by_side: Option<&'a SideBySide>,
 }
 
 /// A corner of a polygon in the frame of A.
@@ -81,16 +84,6 @@ impl Polyhedron<'_> {
         best.0
     }
 
-    /// The least `normal·x` of its points, m.
-    pub fn least_along(&self, normal: Vec3) -> f32 {
-        let mut least = f32::INFINITY;
-        for vertex in self.vertices {
-            let height = vertex.dot(normal);
-            least = if height < least { height } else { least };
-        }
-        least
-    }
-
     /// The face that meets a plane with this normal: of the faces around the deepest vertex the one most against it.
     pub fn incident_face(&self, normal: Vec3) -> usize {
         let deepest = self.support(-normal) as u32;
@@ -127,6 +120,7 @@ impl ConvexHull {
             edges: &t.edges,
             center: t.center,
             inner_radius: t.inner_radius,
+            side_by_side: Some(&t.side_by_side),
         }
     }
 }
@@ -230,6 +224,7 @@ impl BoxPolyhedron {
             edges: &BOX_EDGES,
             center: Vec3::ZERO,
             inner_radius: self.inner_radius,
+            side_by_side: None,
         }
     }
 }
@@ -292,6 +287,7 @@ impl TrianglePolyhedron {
             edges: &TRIANGLE_EDGES,
             center: (self.vertices[0] + self.vertices[1] + self.vertices[2]) / 3.0,
             inner_radius: self.inner_radius,
+            side_by_side: None,
         }
     }
 }

@@ -222,6 +222,7 @@ mod tests {
     use super::*;
     use crate::body::Body;
     use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
+    use crate::collision::pair_memory::PairMemory;
     use crate::math::Quat;
     use crate::shape::Shape;
     use crate::solver::permutation::Random;
@@ -264,7 +265,15 @@ mod tests {
                     let proxies = placed(&mut random, [a, b]);
                     let b_in_a = proxies.poses[0].inverse() * proxies.poses[1];
                     let (margin, mut found) = (proxies.margin((0, 1), MARGIN), LocalManifolds::new());
-                    find_manifolds(&a.geometry, &b.geometry, &b_in_a, margin, 1.0, &mut 0, &mut found);
+                    find_manifolds(
+                        &a.geometry,
+                        &b.geometry,
+                        &b_in_a,
+                        margin,
+                        1.0,
+                        &mut PairMemory::default(),
+                        &mut found,
+                    );
                     let is_apart = proxies.are_apart((0, 1), MARGIN);
                     assert!(!is_apart || found.is_empty(), "{a:?} and {b:?}");
                     (apart, empty) = (apart + u32::from(is_apart), empty + u32::from(found.is_empty()));

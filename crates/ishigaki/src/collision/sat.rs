@@ -202,10 +202,8 @@ pub(crate) fn push_contact(
 ) {
     let mut points = Candidates::new();
     let mut normal = pair.along(axis, &mut points);
-    let enough = axis.separation + EDGE_LEAD * axis.separation.abs() + tolerance.axis;
-    let deepest_found = points.iter().any(|p| p.separation <= enough);
     // While they are apart, an empty face means that they pass each other.
-    if !deepest_found && (greatest <= 0.0 || !points.is_empty()) {
+    if !reach_deepest(&points, axis, tolerance) && (greatest <= 0.0 || !points.is_empty()) {
         match edges() {
             Some(edges) if edges.separation >= axis.separation => {
                 points.clear();
@@ -218,6 +216,12 @@ pub(crate) fn push_contact(
         }
     }
     push_manifold(normal, part, &mut points, tolerance.clip, out);
+}
+
+/// Whether one of the points made along an axis is about as deep as the shapes overlap along it.
+pub(crate) fn reach_deepest(points: &[LocalPoint], axis: &Axis, tolerance: &Tolerance) -> bool {
+    let enough = axis.separation + EDGE_LEAD * axis.separation.abs() + tolerance.axis;
+    points.iter().any(|p| p.separation <= enough)
 }
 
 /// The greatest separation of these axes, m.

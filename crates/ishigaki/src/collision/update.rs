@@ -217,10 +217,10 @@ impl Search<'_> {
             contact.manifolds.clear();
         } else if a.is_stirring() || b.is_stirring() {
             let (shape_a, shape_b) = (world.shapes.at(contact.shape_a), world.shapes.at(contact.shape_b));
-            if aggressive_sleep::stays_frozen(contact.frozen.as_ref(), a, b, options) {
+            if self.stays_frozen(pair, (a, b)) {
                 part.frozen += 1;
             } else {
-                contact.frozen = None;
+                contact.frozen = false;
                 if self.proxies.are_apart(pair.key(), self.margin) {
                     contact.manifolds.clear();
                 } else {
@@ -229,8 +229,9 @@ impl Search<'_> {
                     let (matched, expected) = part.fill(contact, &lead, a.center, b.center);
                     part.ids_matched += matched;
                     part.ids_expected += expected;
-                    if !contact.sensor {
-                        contact.frozen = aggressive_sleep::freeze_if_at_rest(a, b, options);
+                    contact.frozen = !contact.sensor && aggressive_sleep::may_freeze(a, b, options);
+                    if contact.frozen {
+                        self.freeze(pair);
                     }
                 }
             }
@@ -244,14 +245,13 @@ impl Search<'_> {
         }
         self.ask_hooks(contact, hooks);
         self.notice_touching(contact, part);
-        // Without points it is forgotten, but that it rests is not.
-        pair.frozen = if contact.manifolds.is_empty() { contact.frozen } else { None };
+        pair.memory.frozen = contact.frozen;
     }
 
     /// A pair without contact points.
     fn look_for_contact(&self, pair: &mut Pair, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
         if self.proxies.are_apart(pair.key(), self.margin) {
-            pair.frozen = None;
+            pair.memory.frozen = false;
             return;
         }
         let (world, options) = (self.world, &self.world.options);
@@ -260,7 +260,7 @@ impl Search<'_> {
         if a.broken || b.broken || !(a.is_stirring() || b.is_stirring()) {
             return;
         }
-        if aggressive_sleep::stays_frozen(pair.frozen.as_ref(), a, b, options) {
+        if self.stays_frozen(pair, (a, b)) {
             part.frozen += 1;
             return;
         }
@@ -268,20 +268,39 @@ impl Search<'_> {
         let (shape_a, shape_b) = (world.shapes.at(pair.shape_a), world.shapes.at(pair.shape_b));
         let lead = self.find(pair, (a, b), (shape_a, shape_b), part);
         let sensor = shape_a.shape.sensor || shape_b.shape.sensor;
-        pair.frozen = if sensor { None } else { aggressive_sleep::freeze_if_at_rest(a, b, options) };
+        pair.memory.frozen = false;
+        if !sensor && aggressive_sleep::may_freeze(a, b, options) {
+            self.freeze(pair);
+        }
         if part.found.iter().all(|m| m.points.is_empty()) {
             return;
         }
         let mut contact = Contact::new(pair.key(), (shape_a.body, shape_b.body), sensor);
         part.fill(&mut contact, &lead, a.center, b.center);
-        contact.frozen = pair.frozen.take();
+        contact.frozen = pair.memory.frozen;
         mix_materials(&mut contact, a, b, shape_a, shape_b);
         self.ask_hooks(&mut contact, hooks);
+        pair.memory.frozen = contact.frozen;
         self.notice_touching(&mut contact, part);
         if !contact.manifolds.is_empty() {
             part.links.push(Link::new(&contact, a, b, &self.judge));
             part.new_contacts.push(contact);
         }
+    }
+
+    fn stays_frozen(&self, pair: &Pair, bodies: (&BodyState, &BodyState)) -> bool {
+        aggressive_sleep::stays_frozen(&pair.memory, || self.b_in_a(pair), bodies, &self.world.options)
+    }
+
+    fn freeze(&self, pair: &mut Pair) {
+        let b_in_a = self.b_in_a(pair);
+        pair.memory.freeze(&b_in_a);
+    }
+
+    /// Where the second shape is in the frame of the first.
+    fn b_in_a(&self, pair: &Pair) -> Pose {
+        let poses = &self.proxies.poses;
+        poses[pair.shape_a as usize].inverse() * poses[pair.shape_b as usize]
     }
 
     fn ask_hooks(&self, contact: &mut Contact, hooks: &mut Hooks<'_, '_>) {
@@ -295,7 +314,7 @@ impl Search<'_> {
         let pair = PairView { a, b, body_a, body_b };
         if !hooks.allow(&pair) {
             contact.manifolds.clear();
-            contact.frozen = None;
+            contact.frozen = false;
         } else {
             hooks.modify(&pair, contact);
         }
@@ -333,7 +352,7 @@ impl Search<'_> {
         let (geometry_a, geometry_b) = (&shape_a.shape.geometry, &shape_b.shape.geometry);
         let found = &mut part.found;
         let b_in_a = pose_a.inverse() * pose_b;
-        find_manifolds(geometry_a, geometry_b, &b_in_a, margin, options.length_scale, &mut pair.hint, found);
+        find_manifolds(geometry_a, geometry_b, &b_in_a, margin, options.length_scale, &mut pair.memory, found);
 
         let mut lead = Lead { pose_a, moved: Vec3::ZERO };
         let may_sweep = traits_a.continuous || traits_b.continuous;
@@ -350,7 +369,7 @@ impl Search<'_> {
             lead.pose_a.translation += lead.moved;
             let b_at_hit = lead.pose_a.inverse() * pose_b;
             let (margin, scale) = (self.margin, options.length_scale);
-            find_manifolds(geometry_a, geometry_b, &b_at_hit, margin, scale, &mut pair.hint, found);
+            find_manifolds(geometry_a, geometry_b, &b_at_hit, margin, scale, &mut pair.memory, found);
         }
         lead
     }

@@ -9,31 +9,32 @@
 //! Option: `rest.aggressive_sleep`; shown by `tests/aggressive_sleep.rs`.
 
 use crate::body::{BodyKind, BodyState};
-use crate::collision::manifold::Frozen;
-use crate::math::{Pose, vector_from_rotation};
+use crate::collision::pair_memory::PairMemory;
+use crate::math::Pose;
 use crate::options::{AggressiveSleep, WorldOptions};
 
 // ANCHOR: stays_frozen
-/// Whether the pair keeps its rows in this step.
-pub(crate) fn stays_frozen(frozen: Option<&Frozen>, a: &BodyState, b: &BodyState, options: &WorldOptions) -> bool {
-    let settings = &options.rest.aggressive_sleep;
-    let Some(frozen) = frozen else { return false };
-    if !settings.enabled || !at_rest(a, settings) || !at_rest(b, settings) {
+/// Whether the pair, with its second shape at `b_in_a` in the frame of the first, keeps its rows in this step.
+pub(crate) fn stays_frozen(
+    memory: &PairMemory,
+    b_in_a: impl FnOnce() -> Pose,
+    (a, b): (&BodyState, &BodyState),
+    options: &WorldOptions,
+) -> bool {
+    if !memory.frozen || !may_freeze(a, b, options) {
         return false;
     }
-    let now = relative_pose(a, b);
+    let settings = &options.rest.aggressive_sleep;
+    let (shift, turn) = memory.motion_since_frozen(&b_in_a());
     let slop = options.solver.slop.depth * options.length_scale;
-    let shift = (now.translation - frozen.b_in_a.translation).length();
-    let turn = vector_from_rotation(frozen.b_in_a.rotation.inverse() * now.rotation).length();
     shift <= settings.thaw_distance * slop && turn <= settings.thaw_angle
 }
 // ANCHOR_END: stays_frozen
 
-/// How to freeze a pair, no sensor, whose rows have just been refreshed; `None` unless both bodies are at rest.
-pub(crate) fn freeze_if_at_rest(a: &BodyState, b: &BodyState, options: &WorldOptions) -> Option<Frozen> {
+/// Whether a pair, no sensor, whose rows have just been refreshed may keep them: both bodies are at rest.
+pub(crate) fn may_freeze(a: &BodyState, b: &BodyState, options: &WorldOptions) -> bool {
     let settings = &options.rest.aggressive_sleep;
-    let rest = settings.enabled && at_rest(a, settings) && at_rest(b, settings);
-    rest.then(|| Frozen { b_in_a: relative_pose(a, b) })
+    settings.enabled && at_rest(a, settings) && at_rest(b, settings)
 }
 
 /// Counts slow steps. Speeds scale with the root of the length, angular speeds with its inverse.
@@ -49,8 +50,4 @@ fn at_rest(body: &BodyState, settings: &AggressiveSleep) -> bool {
         BodyKind::Fixed | BodyKind::Kinematic => !body.is_stirring(),
         BodyKind::Dynamic => body.asleep || body.rest_steps >= settings.steps,
     }
-}
-
-fn relative_pose(a: &BodyState, b: &BodyState) -> Pose {
-    Pose::from_parts(a.center, a.rotation).inv_mul(&Pose::from_parts(b.center, b.rotation))
 }

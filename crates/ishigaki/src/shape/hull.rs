@@ -1,5 +1,6 @@
 //! The convex hull of points, with the faces, edges and vertices that contacts are named by.
 
+use crate::collision::side_by_side::SideBySide;
 use crate::error::{Error, Result};
 use crate::math::Vec3;
 use crate::shape::within_reach;
@@ -52,10 +53,14 @@ pub(crate) struct Topology {
     /// Edge from every corner to the next.
     pub corner_edges: Vec<u32>,
     pub edges: Vec<Edge>,
+    /// The same for searches.
+    pub side_by_side: SideBySide,
     /// Mean of the vertices.
     pub center: Vec3,
     /// From `center` to the nearest face, m.
     pub inner_radius: f32,
+    /// From the origin to the farthest vertex, m.
+    pub outer_radius: f32,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -146,7 +151,9 @@ impl Topology {
         let sum: Vec3 = topology.vertices.iter().sum();
         topology.center = sum / topology.vertices.len() as f32;
         let distance = |face: &Face| face.offset - face.normal.dot(topology.center);
+        topology.outer_radius = topology.vertices.iter().map(|v| v.length()).fold(0.0, f32::max);
         topology.inner_radius = topology.faces.iter().map(distance).fold(f32::INFINITY, f32::min);
+        topology.side_by_side = SideBySide::new(&topology.vertices, &topology.faces, &topology.edges);
         Some(topology)
     }
 

@@ -74,6 +74,20 @@ impl Geometry {
         }
     }
 
+    /// Radius of a ball about the origin that contains the geometry, m; far too much for surfaces and compounds.
+    pub(crate) fn outer_radius(&self) -> f32 {
+        match self {
+            Self::Ball { radius } => *radius,
+            Self::Capsule { half_length, radius } => half_length + radius,
+            Self::Cuboid { half_extents } => half_extents.length(),
+            Self::Cylinder { half_height, radius } | Self::Cone { half_height, radius } => {
+                (half_height * half_height + radius * radius).sqrt()
+            }
+            Self::ConvexHull(hull) => hull.topology.outer_radius,
+            Self::HalfSpace { .. } | Self::TriangleMesh(_) | Self::HeightField(_) | Self::Compound(_) => UNBOUNDED,
+        }
+    }
+
     /// The same geometry in parry, for ray casts, shape casts and distances.
     ///
     /// Hulls, meshes and height fields are shared, not copied. A compound of compounds is laid out flat;
