@@ -58,7 +58,8 @@ pub struct World {
 /// The state of a joint in a world.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct JointState {
-    pub(crate) definition: Joint,
+    /// Elsewhere: most steps do not look at it, but pass over all joints.
+    pub(crate) definition: Box<Joint>,
     pub(crate) resolved: ResolvedJoint,
     /// Impulses of the last substep, one for each row: the warm start.
     pub(crate) lambdas: SmallVec<[f32; 6]>,
@@ -379,7 +380,7 @@ impl World {
             torque: Vec3::ZERO,
             anchor_error: 0.0,
             angle_error: 0.0,
-            definition: joint,
+            definition: Box::new(joint),
         };
         let collides = state.definition.collide;
         let handle = JointHandle::from(self.joints.insert(state));
@@ -397,7 +398,7 @@ impl World {
     pub fn edit_joint(&mut self, handle: JointHandle, edit: impl FnOnce(&mut Joint)) -> Result<()> {
         let stale = || Error::Stale { place: "joint".into() };
         let old = &self.joints.get(handle.into()).ok_or_else(stale)?.definition;
-        let mut joint = old.clone();
+        let mut joint = Joint::clone(old);
         edit(&mut joint);
         joint.validate()?;
         if std::mem::discriminant(&joint.kind) != std::mem::discriminant(&old.kind) {
@@ -415,7 +416,7 @@ impl World {
             // Rows mean something else now: a warm start would push the wrong way.
             state.lambdas = smallvec![0.0; rows];
         }
-        state.definition = joint;
+        *state.definition = joint;
         self.scratch.joint_links.clear();
         self.collect_jointed_pairs();
         Ok(())
