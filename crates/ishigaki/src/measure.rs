@@ -20,9 +20,12 @@ impl World {
             report.contacts += sums.contacts;
             report.max_penetration = report.max_penetration.max(sums.max_penetration);
         }
-        for (_, joint) in self.joints.iter() {
-            report.max_joint_error = report.max_joint_error.max(joint.anchor_error);
-        }
+        let solved = self.scratch.joint_errors;
+        report.max_joint_error = if solved.joints == self.joints.len() {
+            solved.greatest
+        } else {
+            self.joints.iter().map(|(_, joint)| joint.anchor_error).fold(0.0, f32::max)
+        };
         let gravity = self.options.gravity;
         let mut sums = self.options.report.energy.then(EnergySums::default);
         for (index, body) in self.bodies.iter() {

@@ -36,6 +36,7 @@ pub(crate) struct Scratch {
     pub links: Vec<Link>,
     /// Empty until a step asks for them.
     pub joint_links: Vec<JointLink>,
+    pub joint_errors: JointErrors,
     pub roles: Vec<Role>,
     pub contact_sums: Vec<ContactSums>,
     pub parents: Vec<u32>,
@@ -47,6 +48,21 @@ pub(crate) struct Scratch {
     pub height: height::Scratch,
     /// Away for the length of a step.
     pub plan: Option<Box<Plan>>,
+}
+
+/// Of the joints that a step solves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct JointErrors {
+    pub joints: usize,
+    /// m
+    pub greatest: f32,
+}
+
+impl JointErrors {
+    pub fn add(&mut self, anchor_error: f32) {
+        self.joints += 1;
+        self.greatest = self.greatest.max(anchor_error);
+    }
 }
 
 impl World {
@@ -125,6 +141,7 @@ impl World {
         let mut residuals = std::mem::take(&mut self.report.residual_by_sweep);
         residuals.clear();
         self.report = StepReport { residual_by_sweep: residuals, ..StepReport::default() };
+        self.scratch.joint_errors = JointErrors::default();
         self.events.clear();
         self.events.append(&mut self.pending_events);
         if !(SHORTEST_STEP..=LONGEST_STEP).contains(&dt) {

@@ -480,6 +480,7 @@ impl World {
             joint.resolved.refresh(&joint.definition.kind, &a, &b);
             joint.anchor_error = joint.resolved.anchor_error(&joint.definition.kind, &a, &b);
             joint.angle_error = joint.resolved.angle_error(&joint.definition.kind, &a, &b);
+            self.scratch.joint_errors.add(joint.anchor_error);
         }
     }
 }

@@ -18,6 +18,7 @@ use crate::solver::wide::lanes::{LANES, Lane, Record, get, set, splat, store};
 use crate::solver::wide::mover::{MoverBlock, Movers};
 use crate::solver::wide::moving;
 use crate::solver::work;
+use crate::step::JointErrors;
 use crate::world::JointState;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
@@ -422,7 +423,7 @@ impl Joints {
     }
 
     /// Impulses, forces and errors back into the world; `share` makes stored impulses of those of a substep.
-    pub(crate) fn store(&mut self, joints: &mut Arena<JointState>, share: f32, dt: f32) {
+    pub(crate) fn store(&mut self, joints: &mut Arena<JointState>, share: f32, dt: f32, errors: &mut JointErrors) {
         for place in &self.places {
             let (lane, block) = (place.lane as usize, &mut self.blocks[place.block as usize]);
             let mut turns = self.turns.get_mut(block.turns as usize);
@@ -438,6 +439,7 @@ impl Joints {
             let (torque, error) = turns.map_or((Vec3::ZERO, 0.0), |turns| reaction(turns, lane));
             (joint.torque, joint.angle_error) = (torque / dt, error);
             joint.anchor_error = get(&block.gap, lane).length();
+            errors.add(joint.anchor_error);
         }
     }
 }

@@ -29,7 +29,8 @@ impl World {
             for &(body, steps) in &batch.outcome.pauses {
                 self.bodies.at_mut(body).no_correction_until = self.step_count + steps;
             }
-            batch.joints.store(&mut self.joints, batch.substeps as f32 / full, dt);
+            let errors = &mut self.scratch.joint_errors;
+            batch.joints.store(&mut self.joints, batch.substeps as f32 / full, dt, errors);
         }
         let batches = &wide.batches[..wide.used];
         if wide.used > 0 {
