@@ -357,11 +357,10 @@ impl BodyState {
     }
 
     pub(crate) fn is_finite(&self) -> bool {
-        self.center.is_finite()
-            && self.rotation.is_finite()
-            && self.velocity.is_finite()
-            && self.angular_velocity.is_finite()
-            && self.angular_momentum.is_finite()
+        // Finite numbers times nothing are nothing, whatever is added up; others never are.
+        let vectors = [self.center, self.velocity, self.angular_velocity, self.angular_momentum];
+        let nothing: Vec3 = vectors.map(|vector| vector * 0.0).into_iter().sum();
+        nothing == Vec3::ZERO && self.rotation * 0.0 == Quat::from_xyzw(0.0, 0.0, 0.0, 0.0)
     }
 
     /// A user may ask for any speed; the solver sees no faster one than the options allow, m/s and rad/s.

@@ -84,10 +84,10 @@ impl PairMemory {
         (self.b_in_a, self.lesson, self.frozen) = (*b_in_a, Lesson::Nothing, true);
     }
 
-    /// How far B has come since rows were frozen: way (m) and turn (rad).
+    /// How far B has come since rows were frozen: way (m) and the sine of half its turn.
     pub(crate) fn motion_since_frozen(&self, b_in_a: &Pose) -> (f32, f32) {
         let (shift, turn) = motion(&self.b_in_a, b_in_a);
-        (shift.length(), 2.0 * crate::math::asin(turn.length()))
+        (shift.length(), turn.length())
     }
 }
 

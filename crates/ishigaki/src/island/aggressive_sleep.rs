@@ -25,9 +25,10 @@ pub(crate) fn stays_frozen(
         return false;
     }
     let settings = &options.rest.aggressive_sleep;
-    let (shift, turn) = memory.motion_since_frozen(&b_in_a());
+    let (shift, sine) = memory.motion_since_frozen(&b_in_a());
     let slop = options.solver.slop.depth * options.length_scale;
-    shift <= settings.thaw_distance * slop && turn <= settings.thaw_angle
+    // Half an angle that matters here is its sine.
+    shift <= settings.thaw_distance * slop && sine <= 0.5 * settings.thaw_angle
 }
 // ANCHOR_END: stays_frozen
 
