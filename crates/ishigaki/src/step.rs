@@ -2,6 +2,7 @@
 
 use crate::body::Role;
 use crate::collision::link::Link;
+use crate::collision::pair::clear_burst;
 use crate::collision::pairs::Moves;
 use crate::collision::proxy::Proxies;
 use crate::collision::update::Part;
@@ -142,7 +143,7 @@ impl World {
         residuals.clear();
         self.report = StepReport { residual_by_sweep: residuals, ..StepReport::default() };
         self.scratch.joint_errors = JointErrors::default();
-        self.events.clear();
+        clear_burst(&mut self.events);
         self.events.append(&mut self.pending_events);
         if !(SHORTEST_STEP..=LONGEST_STEP).contains(&dt) {
             self.report.rejected =

@@ -70,6 +70,14 @@ pub(crate) fn append<T>(list: &mut Vec<T>, more: &mut Vec<T>) {
     }
 }
 
+/// Empties a list that is long in few steps only, and keeps no more room than most steps need.
+pub(crate) fn clear_burst<T>(list: &mut Vec<T>) {
+    /// Items that there is always room for.
+    const USUAL: usize = 1024;
+    list.clear();
+    list.shrink_to(USUAL);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

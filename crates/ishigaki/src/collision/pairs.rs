@@ -5,7 +5,7 @@
 
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::continuous::start_center;
-use crate::collision::pair::{Pair, insert_pairs};
+use crate::collision::pair::{Pair, clear_burst, insert_pairs};
 use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
 use crate::math::Vec3;
 use crate::world::World;
@@ -134,10 +134,12 @@ impl World {
             !before_a.touch(before_b) && self.may_touch(a, b)
         };
         self.broad_phase.pairs_in_parts(&self.scratch.moved_shapes, is_new, &self.workers, &mut lists, &mut found);
+        lists.iter_mut().for_each(clear_burst);
         self.scratch.pair_lists = lists;
         // What moved because its user said so may know its pairs already.
         found.retain(|pair| self.pairs.binary_search_by_key(pair, Pair::key).is_err());
         insert_pairs(&mut self.pairs, &found);
+        clear_burst(&mut found);
         self.scratch.new_pairs = found;
     }
 

@@ -5,7 +5,7 @@ use crate::collision::continuous;
 use crate::collision::link::{Judge, Link};
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
-use crate::collision::pair::{Pair, append, insert_contacts};
+use crate::collision::pair::{Pair, append, clear_burst, insert_contacts};
 use crate::collision::pairs::motion_in_step;
 use crate::collision::proxy::Proxies;
 use crate::constraint::contact::share_evenly;
@@ -28,6 +28,8 @@ impl World {
         // Hooks are called in the order of pairs.
         let count = if hooks.is_some() { 1 } else { self.workers.parts(pairs.len()) };
         parts.resize_with(count, Part::default);
+        // The first part's links become those of the step, in the room of those of the last one.
+        std::mem::swap(&mut parts[0].links, &mut self.scratch.links);
         let search = Search {
             world: self,
             margin: self.options.contact.speculative_margin * self.options.length_scale,
@@ -77,6 +79,7 @@ impl World {
             let event = self.touch_event(touch.shapes.0, touch.shapes.1, touch.sensor, touch.began);
             self.events.push(event);
         }
+        clear_burst(touches);
     }
 
     /// What bounced within the step touched.

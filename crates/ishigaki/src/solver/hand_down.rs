@@ -71,8 +71,8 @@ pub struct Stand {
     pub upper: u32,
     /// Index of the body that bears; 0 for the ground.
     pub lower: u32,
-    /// Which side of the manifold the upper body is.
-    pub side: usize,
+    /// Which side of the manifold the upper body is, 0 or 1.
+    pub side: u8,
     /// Height of the upper body, hops.
     pub height: u32,
     /// By which upper bodies of one height are sorted.
@@ -89,7 +89,7 @@ impl Stand {
         }
         let side = usize::from(heights[1] > heights[0]);
         let (upper, lower) = (bodies[side], bodies[1 - side]);
-        Some(Self { upper, lower, side, height: heights[side], rank: ranks[side], name })
+        Some(Self { upper, lower, side: side as u8, height: heights[side], rank: ranks[side], name })
     }
 }
 
@@ -264,7 +264,7 @@ impl World {
         let m = &plan.manifolds[stand.name as usize];
         let manifold = &self.contacts[m.contact as usize].manifolds[m.manifold as usize];
         let rows = &plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
-        let mut support = Support::new(manifold, stand.side, m.surface.friction);
+        let mut support = Support::new(manifold, usize::from(stand.side), m.surface.friction);
         for (i, (point, row)) in support.points.iter_mut().zip(normals_of(plan, stand)).enumerate() {
             point.lambda.x = row.lambda;
             point.is_active = row.lambda > 0.0 || row.velocity(&plan.bodies) + row.bias <= 0.0;

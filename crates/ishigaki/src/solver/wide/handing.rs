@@ -30,7 +30,7 @@ impl World {
         let place = &batch.places[stand.name as usize];
         let manifold = &self.contacts[place.contact as usize].manifolds[place.manifold as usize];
         let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
-        let mut support = Support::new(manifold, stand.side, block.friction[lane]);
+        let mut support = Support::new(manifold, usize::from(stand.side), block.friction[lane]);
         let [(v_a, w_a), (v_b, w_b)] = place.bodies.map(|b| velocities(batch, b));
         for (i, (point, at)) in support.points.iter_mut().zip(&manifold.points).enumerate() {
             let (p, disk) = (&block.points[i], &block.disks[i]);
