@@ -13,7 +13,7 @@ use crate::collision::pair_memory::{AxisBounds, Known, PairMemory};
 use crate::collision::polyhedron::Polyhedron;
 use crate::collision::reduce::push_manifold;
 use crate::collision::sat::{Axis, Pair, Points, Source, Tolerance, choose_axis, greatest_separation, reach_deepest};
-use crate::collision::side_by_side::{EdgeAxis, Lane, Numbers, SIDE_BY_SIDE, SideBySide, Vectors, places};
+use crate::collision::side_by_side::{EdgeAxis, Lane, Numbers, SIDE_BY_SIDE, SideBySide, Vectors, at_least};
 use crate::math::{Mat3, Pose, Vec3};
 use smallvec::{SmallVec, smallvec};
 use std::borrow::Cow;
@@ -29,7 +29,9 @@ const NEARLY_ACROSS: f32 = 0.75;
 /// still.
 const MOST_MOTION: f32 = 5.0;
 
-/// Manifold of two polyhedra; `known` is what `memory` says of them.
+/// Manifold of two polyhedra; `known` is what `memory` says of them. Once in a program, not where boxes and hulls are told
+/// apart.
+#[inline(never)]
 pub(crate) fn hull_hull(
     (a, b): (Polyhedron, Polyhedron),
     b_in_a: &Pose,
@@ -159,14 +161,13 @@ impl<'a> HullTest<'a> {
         }
         // What is farther on the other side is neither a normal nor a sliver.
         let far = (nearest.separation - lead(nearest.separation, tolerance)).min(-2.0 * tolerance.sliver);
-        let is_known = self.last.is_some();
         // Where there was a last axis it is asked for, and what is near; else how many faces lie along each other.
-        let near_a = places(above_a, |height| !is_known || height - in_b >= far);
-        let near_b = places(above_b, |height| !is_known || height - in_a >= far);
+        let bar = if self.last.is_some() { far } else { f32::NEG_INFINITY };
+        let (near_a, near_b) = (at_least(above_a, bar + in_b), at_least(above_b, bar + in_a));
         let of_a = near_a.iter().map(|&face| (Source::FaceA(face), above_a[face as usize] - in_b));
         let of_b = near_b.iter().map(|&face| (Source::FaceB(face), above_b[face as usize] - in_a));
         for (source, bound) in of_a.chain(of_b) {
-            let axis = if bound >= far {
+            let axis = if self.last.is_some() || bound >= far {
                 self.face_axis(source)?
             } else {
                 Axis { source, direction: self.direction(source), separation: bound }
@@ -212,15 +213,21 @@ impl<'a> HullTest<'a> {
     /// The best axis of two edges, and that of the last step if it still is one; of those with a greater separation than
     /// `least`.
     fn edge_axes(&self, heights: &Heights, least: f32) -> (Option<Axis>, Option<Axis>) {
-        let (edges_a, edges_b) = (&self.a.side_by_side.edges, &self.b.side_by_side.edges);
         let (above_a, above_b) =
             (&heights.above_a[..self.a.parts.faces.len()], &heights.above_b[..self.b.parts.faces.len()]);
-        let bars = [least + self.b.parts.inner_radius, least + self.a.parts.inner_radius];
+        let near_a = self.a.side_by_side.edges_in_reach(above_a, least + self.b.parts.inner_radius);
+        let near_b = self.b.side_by_side.edges_in_reach(above_b, least + self.a.parts.inner_radius);
+        self.axes_of_edges(&near_a, near_b)
+    }
+
+    /// The same of these edges of A and of B.
+    fn axes_of_edges(&self, of_a: &[u32], of_b: Numbers) -> (Option<Axis>, Option<Axis>) {
+        let (edges_a, edges_b) = (&self.a.side_by_side.edges, &self.b.side_by_side.edges);
         let mut placed = PlacedEdges::default();
-        placed.place(edges_b, self.b.side_by_side.edges_in_reach(above_b, bars[1]), self.pair.b_in_a);
+        placed.place(edges_b, of_b, self.pair.b_in_a);
         let mut best: Option<Axis> = None;
         let mut last_axis = None;
-        for i in self.a.side_by_side.edges_in_reach(above_a, bars[0]) {
+        for &i in of_a {
             let edge_a = &edges_a[i as usize];
             placed.for_each_crossing(edge_a, |j, edge_b| {
                 let start = *self.pair.b_in_a * edges_b[j as usize].start;
@@ -242,16 +249,9 @@ impl<'a> HullTest<'a> {
     fn last_axis(&self) -> Option<Axis> {
         match self.last? {
             Source::Edges(i, j) => {
-                let edge_a = self.a.side_by_side.edges.get(i as usize)?;
-                let edge = self.b.side_by_side.edges.get(j as usize)?;
-                let mut placed = PlacedEdges::default();
-                placed.place(std::slice::from_ref(edge), smallvec![0], self.pair.b_in_a);
-                let mut axis = None;
-                placed.for_each_crossing(edge_a, |_, edge_b| {
-                    let crossing = edge_axis(edge_a, &edge_b, *self.pair.b_in_a * edge.start);
-                    axis = crossing.filter(|_| edge_b.is_same_half(edge_a));
-                });
-                axis.map(|(direction, separation)| Axis { source: Source::Edges(i, j), direction, separation })
+                let counts = [&self.a, &self.b].map(|solid| solid.side_by_side.edges.len());
+                let exist = (i as usize) < counts[0] && (j as usize) < counts[1];
+                if exist { self.axes_of_edges(&[i], smallvec![j]).0 } else { None }
             }
             face => self.face_axis(face),
         }

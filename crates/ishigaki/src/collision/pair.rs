@@ -72,10 +72,12 @@ pub(crate) fn append<T>(list: &mut Vec<T>, more: &mut Vec<T>) {
 
 /// Empties a list that is long in few steps only, and keeps no more room than most steps need.
 pub(crate) fn clear_burst<T>(list: &mut Vec<T>) {
-    /// Items that there is always room for.
+    /// A list with room for more items gives it back.
     const USUAL: usize = 1024;
+    if list.capacity() > USUAL {
+        *list = Vec::new();
+    }
     list.clear();
-    list.shrink_to(USUAL);
 }
 
 #[cfg(test)]

@@ -27,7 +27,7 @@ impl Vectors {
         Vec3::from_array(self.0.map(|lanes| lanes[lane]))
     }
 
-    #[inline(always)]
+    #[inline(never)]
     pub fn turned(&self, turn: &Mat3) -> Self {
         let rows = turn.transpose();
         Self([self.dots(rows.x_axis), self.dots(rows.y_axis), self.dots(rows.z_axis)])
@@ -120,7 +120,9 @@ impl SideBySide {
         if bar <= 0.0 {
             return (0..self.edges.len() as u32).collect();
         }
-        places(&self.edges, |edge| {
+        let edges = &self.edges[..];
+        numbers_of(edges.len(), |number| {
+            let edge = &edges[number];
             let [first, second] = edge.faces.map(|face| heights[face as usize]);
             (first >= bar * edge.middle) | (second >= bar * edge.middle)
         })
@@ -142,15 +144,21 @@ impl SideBySide {
 /// Numbers of edges or faces.
 pub(crate) type Numbers = SmallVec<[u32; 40]>;
 
-/// The places of all items for which something is true; without a branch for each, since nobody could foretell it.
-pub(crate) fn places<T>(items: &[T], is: impl Fn(&T) -> bool) -> Numbers {
-    let mut places: Numbers = smallvec![0; items.len()];
-    let mut count = 0;
-    let slots = &mut places[..];
-    for (place, item) in items.iter().enumerate() {
-        slots[count] = place as u32;
-        count += usize::from(is(item));
+/// The numbers of what something is true of; without a branch for each, since nobody could foretell it.
+fn numbers_of(count: usize, is: impl Fn(usize) -> bool) -> Numbers {
+    let mut numbers: Numbers = smallvec![0; count];
+    let mut end = 0;
+    let slots = &mut numbers[..];
+    for number in 0..count {
+        slots[end] = number as u32;
+        end += usize::from(is(number));
     }
-    places.truncate(count);
-    places
+    numbers.truncate(end);
+    numbers
+}
+
+/// The numbers of those of at least `bar`.
+#[inline(never)]
+pub(crate) fn at_least(heights: &[f32], bar: f32) -> Numbers {
+    numbers_of(heights.len(), |number| heights[number] >= bar)
 }
