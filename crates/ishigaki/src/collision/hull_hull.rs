@@ -3,9 +3,9 @@
 //! An edge is an arc between the normals of its two faces on the unit sphere. Two edges can make a face of the
 //! Minkowski difference A − B, and so a separating axis, only if the arc of one crosses the negated arc of the
 //! other; most pairs are rejected by four dot products (Gregorius 2013, "The separating axis test between
-//! convex polyhedra"). Most edges, and faces, do not even come to that: along a direction d on which a face or edge of A
-//! lies, B is no farther from it than a ball inside B, whose center is at some height above the faces of A. Test: `tests/narrow_phase.rs` against a
-//! search over all axes in f64.
+//! convex polyhedra"). Most edges, and faces, do not even come to that: along a direction d in which a face or edge of A
+//! lies outermost, B is no farther from it than a ball inside B, whose center is at some height above the faces of A.
+//! Test: `tests/narrow_phase.rs` against a search over all axes in f64.
 
 use crate::collision::clip::Candidates;
 use crate::collision::narrow_phase::LocalManifolds;
@@ -24,7 +24,6 @@ const PARALLEL_SQUARED: f32 = 1e-6;
 const LEAD: f32 = 0.1;
 /// Cosine to another axis below which it lies across that, or would with a little motion; .7 in `sat.rs`.
 const NEARLY_ACROSS: f32 = 0.75;
-
 /// The last axis is known to be the best only until B has moved so far, × `Tolerance::axis`: what lies across it does so
 /// still.
 const MOST_MOTION: f32 = 5.0;
