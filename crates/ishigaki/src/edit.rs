@@ -83,7 +83,7 @@ impl BodyMut<'_> {
                 "only a kinematic body has a target: use set_pose or forces",
             ));
         }
-        self.body.kinematic_target = Some(pose);
+        self.body.kinematic_target = Some(Box::new(pose));
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! What a step can be given besides Δt: a clock for timings, and a say in contacts.
 
 use crate::body::{BodyState, ShapeId};
-use crate::collision::manifold::Contact;
+use crate::collision::manifold::{Contact, SurfaceExtras};
 use crate::math::Vec3;
 
 /// The two shapes of a contact and the bodies they are on.
@@ -64,14 +64,14 @@ impl Contact {
     /// Sets Newton's e for this step; a number outside [0, 1] is ignored.
     pub fn set_restitution(&mut self, restitution: f32) {
         if (0.0..=1.0).contains(&restitution) {
-            self.restitution = restitution;
+            self.set_extras(SurfaceExtras { restitution, ..self.extras() });
         }
     }
 
     /// Sets the velocity of B's surface relative to A's, world, m/s, for this step; ignored if not finite.
     pub fn set_surface_velocity(&mut self, velocity: Vec3) {
         if velocity.is_finite() {
-            self.surface_velocity = velocity;
+            self.set_extras(SurfaceExtras { surface_velocity: velocity, ..self.extras() });
         }
     }
 

@@ -44,7 +44,6 @@ pub(crate) struct Scratch {
     pub awake_roots: Vec<bool>,
     pub island_numbers: Vec<u32>,
     pub restless_islands: Vec<bool>,
-    pub supports: Vec<(u32, u32)>,
     pub heights: Vec<u32>,
     pub height: height::Scratch,
     /// Away for the length of a step.

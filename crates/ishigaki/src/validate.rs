@@ -5,7 +5,7 @@
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::manifold::Contact;
 use crate::collision::pair::Pair;
-use crate::error::{Error, Result, not_negative, positive};
+use crate::error::{Error, Result, finite_vector, not_negative, positive};
 use crate::math::{Pose, Quat};
 use crate::shape::Geometry;
 use crate::world::{JointState, World};
@@ -58,8 +58,8 @@ impl World {
         if body.rotation.is_finite() {
             rotation("rotation", body.rotation)?;
         }
-        if let Some(target) = body.kinematic_target {
-            finite_pose("kinematic_target", &target)?;
+        if let Some(target) = &body.kinematic_target {
+            finite_pose("kinematic_target", target)?;
         }
         if !body.gravity_scale.is_finite() {
             return Err(Error::invalid("gravity_scale", "must be finite"));
@@ -84,7 +84,7 @@ impl World {
             return Err(Error::invalid("geometry", "a compound is laid out flat in a world"));
         }
         shape.shape.validate()?;
-        finite_pose("center_from_shape", &shape.center_from_shape)?;
+        finite_vector("offset", shape.offset)?;
         not_negative("inner_radius", shape.inner_radius)?;
         if shape.bounds_min.cmpgt(shape.bounds_max).any() {
             return Err(Error::invalid("bounds", "the least corner is beyond the greatest"));
@@ -135,9 +135,9 @@ impl World {
             return Err(Error::invalid("shape_b", "must come after shape_a, on another body"));
         }
         not_negative("friction", contact.friction)?;
-        not_negative("torsional_friction", contact.torsional_friction)?;
-        not_negative("rolling_friction", contact.rolling_friction)?;
-        not_negative("restitution", contact.restitution)?;
+        not_negative("torsional_friction", contact.extras().torsional_friction)?;
+        not_negative("rolling_friction", contact.extras().rolling_friction)?;
+        not_negative("restitution", contact.extras().restitution)?;
         for (i, manifold) in contact.manifolds.iter().enumerate() {
             if manifold.points.is_empty() {
                 return Err(Error::invalid(format!("manifolds[{i}]"), "has no points"));

@@ -474,7 +474,7 @@ impl World {
             a: self.shape_id(c.shape_a),
             b: self.shape_id(c.shape_b),
             friction: c.friction,
-            restitution: c.restitution,
+            restitution: c.extras().restitution,
             frozen: c.is_frozen(),
             manifolds: &c.manifolds,
         })

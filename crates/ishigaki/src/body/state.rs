@@ -42,7 +42,7 @@ pub struct BodyState {
     pub(crate) continuous: bool,
     pub(crate) can_sleep: bool,
     /// Where a kinematic body shall be at the end of the next step.
-    pub(crate) kinematic_target: Option<Pose>,
+    pub(crate) kinematic_target: Option<Box<Pose>>,
     /// Slots of its shapes in the world.
     pub(crate) shapes: SmallVec<[u32; 2]>,
     /// Origin at the start of the last step, for interpolation.
@@ -304,7 +304,7 @@ impl BodyState {
     /// Velocity (m/s) and angular velocity (rad/s) with which the coming step begins: those that take a kinematic
     /// body to its target, none where the last target has been reached.
     pub(crate) fn velocities_in_step(&self, dt: f32) -> (Vec3, Vec3) {
-        if let Some(target) = self.kinematic_target {
+        if let Some(target) = &self.kinematic_target {
             let center = target.translation + target.rotation * self.mass.center;
             let turn = vector_from_rotation(target.rotation * self.rotation.conjugate());
             ((center - self.center) / dt, turn / dt)
@@ -437,8 +437,8 @@ pub(crate) struct ShapeState {
     /// Which shape of its body.
     pub ordinal: u32,
     pub shape: Shape,
-    /// Place in the frame of the center of mass: world = center + R (offset …).
-    pub center_from_shape: Pose,
+    /// From the center of mass to its origin, in the body's frame, m.
+    pub offset: Vec3,
     /// Radius of the largest ball about its centroid inside it, m: what sweeping compares motion with.
     pub inner_radius: f32,
     /// It was placed by its user, or may touch others now: its pairs are found anew.
@@ -449,14 +449,13 @@ pub(crate) struct ShapeState {
 }
 
 impl ShapeState {
-    pub fn new(body: u32, ordinal: u32, shape: Shape, state: &BodyState) -> Self {
-        let center_from_shape =
-            Pose::from_parts(shape.pose.translation - state.mass.center, shape.pose.rotation.normalize());
+    pub fn new(body: u32, ordinal: u32, mut shape: Shape, state: &BodyState) -> Self {
+        shape.pose.rotation = shape.pose.rotation.normalize();
         Self {
             body,
             ordinal,
             inner_radius: shape.geometry.inner_radius(),
-            center_from_shape,
+            offset: shape.pose.translation - state.mass.center,
             shape,
             moved: true,
             bounds_min: Vec3::ZERO,
@@ -470,7 +469,7 @@ impl ShapeState {
     }
 
     pub fn world_from_shape(&self, body: &BodyState) -> Pose {
-        Pose::from_parts(body.center, body.rotation) * self.center_from_shape
+        Pose::from_parts(body.center, body.rotation) * Pose::from_parts(self.offset, self.shape.pose.rotation)
     }
 }
 

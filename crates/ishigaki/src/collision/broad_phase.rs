@@ -28,6 +28,9 @@ pub struct BroadPhase {
     large: Vec<LargeBox>,
     #[serde(skip)]
     workspace: Workspace,
+    /// Many boxes moved when some last did.
+    #[serde(skip)]
+    many_moved: bool,
 }
 
 /// When more than one in so many boxes move, all of the tree is looked at.
@@ -106,6 +109,7 @@ impl BroadPhase {
         let is_small = |min: Vec3, max: Vec3| matches!(size(min, max), Size::Small);
         if slots.len() * FEW < self.tree.leaf_count() as usize {
             boxes().for_each(|(slot, (min, max))| self.update(slot, min, max));
+            self.many_moved = false;
             return;
         }
         // What is not in the tree, or leaves it, needs a tree that holds together.
@@ -125,6 +129,10 @@ impl BroadPhase {
         // neighbors, so a part of it is built anew.
         self.tree.refit(&mut self.workspace.0);
         self.tree.optimize_incremental(&mut self.workspace.0);
+        // It is as large as the tree: only a world in which much moves step after step keeps it.
+        if !std::mem::replace(&mut self.many_moved, true) {
+            self.workspace = Workspace::default();
+        }
     }
 
     /// Takes a box out, if the slot has one.

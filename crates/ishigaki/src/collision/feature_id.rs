@@ -55,30 +55,81 @@ impl Feature {
 
 // ANCHOR: feature_id
 /// A feature of A × a feature of B.
+///
+/// Every contact point has one, so it is small: of a shape with more than 2¹⁴ features of a kind some share a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct FeatureId {
     /// On shape A.
-    pub a: Feature,
+    a: Name,
     /// On shape B.
-    pub b: Feature,
+    b: Name,
 }
 // ANCHOR_END: feature_id
+
+/// A feature in two bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+struct Name(u16);
+
+impl Name {
+    const KIND_SHIFT: u32 = 14;
+    const NUMBERS: u32 = (1 << Self::KIND_SHIFT) - 1;
+
+    const fn new(feature: Feature) -> Self {
+        Self((feature.0 >> Feature::KIND_SHIFT << Self::KIND_SHIFT | feature.0 & Self::NUMBERS) as u16)
+    }
+
+    const fn feature(self) -> Feature {
+        let name = self.0 as u32;
+        Feature(name >> Self::KIND_SHIFT << Feature::KIND_SHIFT | name & Self::NUMBERS)
+    }
+}
 
 impl FeatureId {
     /// The pair of features.
     pub const fn new(a: Feature, b: Feature) -> Self {
-        Self { a, b }
+        Self { a: Name::new(a), b: Name::new(b) }
+    }
+
+    /// On shape A; its number modulo 2¹⁴.
+    pub const fn a(self) -> Feature {
+        self.a.feature()
+    }
+
+    /// On shape B; its number modulo 2¹⁴.
+    pub const fn b(self) -> Feature {
+        self.b.feature()
     }
 
     /// A number to sort names by, the same for A and B exchanged, and whether the feature of A is the greater.
-    pub(crate) const fn order(self) -> (u64, bool) {
-        let (a, b) = (self.a.0 as u64, self.b.0 as u64);
-        if a > b { (b << 32 | a, true) } else { (a << 32 | b, false) }
+    pub(crate) const fn order(self) -> (u32, bool) {
+        let (a, b) = (self.a.0 as u32, self.b.0 as u32);
+        if a > b { (b << 16 | a, true) } else { (a << 16 | b, false) }
     }
 
     /// The same contact with A and B exchanged.
     #[must_use]
     pub const fn swapped(self) -> Self {
         Self { a: self.b, b: self.a }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_tell_features_apart() {
+        let features =
+            [Feature::vertex(0), Feature::vertex(16383), Feature::edge(16383), Feature::face(7), Feature::unknown(0)];
+        for (i, a) in features.into_iter().enumerate() {
+            for b in features {
+                let id = FeatureId::new(a, b);
+                assert_eq!((id.a(), id.b()), (a, b));
+                assert_eq!((id.swapped().a(), id.swapped().b()), (b, a));
+                assert_eq!(id.order().0, id.swapped().order().0);
+            }
+            assert!(features[..i].iter().all(|other| Name::new(*other) != Name::new(a)));
+        }
+        assert_eq!(FeatureId::new(Feature::edge(1 << 14 | 3), Feature::face(0)).a(), Feature::edge(3));
     }
 }

@@ -4,8 +4,7 @@
 //! these alone.
 
 use crate::body::BodyState;
-use crate::collision::manifold::Contact;
-use crate::math::Vec3;
+use crate::collision::manifold::{Contact, SurfaceExtras};
 use crate::options::WorldOptions;
 
 /// A contact in this step.
@@ -49,6 +48,12 @@ impl Judge {
         }
     }
 
+    /// Whether the reference alone has rows for these.
+    fn asks_much(&self, extras: &SurfaceExtras) -> bool {
+        *extras
+            != SurfaceExtras { restitution: if self.bounces { 0.0 } else { extras.restitution }, ..Default::default() }
+    }
+
     /// Whether the two may touch within the step, in which they also fall.
     fn closes(&self, contact: &Contact, a: &BodyState, b: &BodyState) -> bool {
         let (linear_a, angular_a) = a.velocities_in_step(self.dt);
@@ -76,10 +81,7 @@ impl Link {
             meets,
             unites: meets && (contact.touching || judge.closes(contact, a, b)),
             bears: meets && contact.touching && reaches(judge.slop),
-            asks_much: contact.rolling_friction > 0.0
-                || contact.torsional_friction > 0.0
-                || (judge.bounces && contact.restitution > 0.0)
-                || contact.surface_velocity != Vec3::ZERO,
+            asks_much: contact.extras.as_ref().is_some_and(|extras| judge.asks_much(extras)),
             batch: Self::NONE,
             place: 0,
         }

@@ -53,8 +53,9 @@ pub struct ContactPoint {
     pub id: FeatureId,
     /// Normal impulse of the last substep, N·s: the warm start.
     pub lambda_normal: f32,
-    /// Friction impulse on A of the last substep, world, N·s: the warm start.
-    pub lambda_friction: Vec3,
+    /// Friction impulses on A of the last substep along the [`tangents`](crate::math::tangents) of the normal, N·s: the
+    /// warm start.
+    pub lambda_friction: [f32; 2],
     /// Normal impulse summed over the step, N·s.
     pub impulse: f32,
 }
@@ -70,8 +71,21 @@ pub struct Manifold {
     pub part: (u32, u32),
     /// Torsional impulse about the normal on A, N·m·s: the warm start.
     pub lambda_torsion: f32,
-    /// Rolling impulse on A, world, N·m·s: the warm start.
-    pub lambda_rolling: Vec3,
+    /// Rolling impulses on A about the tangents of the normal, N·m·s: the warm start.
+    pub lambda_rolling: [f32; 2],
+}
+
+/// What the mixed material of most pairs does not ask for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct SurfaceExtras {
+    /// Newton's e.
+    pub restitution: f32,
+    /// m.
+    pub torsional_friction: f32,
+    /// m.
+    pub rolling_friction: f32,
+    /// Velocity of B's surface relative to A's by conveyors, world, m/s.
+    pub surface_velocity: Vec3,
 }
 
 /// A pair of shapes with contact points, and what is remembered of them between steps.
@@ -87,11 +101,8 @@ pub struct Contact {
     pub(crate) manifolds: SmallVec<[Manifold; 1]>,
     /// Mixed material of the pair.
     pub(crate) friction: f32,
-    pub(crate) restitution: f32,
-    pub(crate) torsional_friction: f32,
-    pub(crate) rolling_friction: f32,
-    /// Velocity of B's surface relative to A's by conveyors, world, m/s.
-    pub(crate) surface_velocity: Vec3,
+    /// Of few pairs only.
+    pub(crate) extras: Option<Box<SurfaceExtras>>,
     /// Neither makes contact; overlap is reported.
     pub(crate) sensor: bool,
     /// Had points (or overlap, for sensors) in the last step.
@@ -110,14 +121,24 @@ impl Contact {
             body_b,
             manifolds: SmallVec::new(),
             friction: 0.0,
-            restitution: 0.0,
-            torsional_friction: 0.0,
-            rolling_friction: 0.0,
-            surface_velocity: Vec3::ZERO,
+            extras: None,
             sensor,
             touching: false,
             frozen: false,
         }
+    }
+
+    /// Without a box for what there is nothing of.
+    pub(crate) fn set_extras(&mut self, extras: SurfaceExtras) {
+        if extras == SurfaceExtras::default() {
+            self.extras = None;
+        } else {
+            **self.extras.get_or_insert_default() = extras;
+        }
+    }
+
+    pub(crate) fn extras(&self) -> SurfaceExtras {
+        self.extras.as_deref().copied().unwrap_or_default()
     }
 
     /// Slots of the shapes: what the list of contacts is sorted by.

@@ -14,12 +14,25 @@ pub struct PairMemory {
     /// The axis of the last step in a form of its own, 0 without one; whatever stands here, nothing panics.
     pub axis: u32,
     /// Where B was in the frame of A when it was searched for axes, or frozen.
-    b_in_a: Pose,
+    b_in_a: Place,
     /// What the search found, m: the gap, or the bounds.
     found: AxisBounds,
     lesson: Lesson,
     /// Aggressive sleep keeps the rows that it had at `b_in_a`.
     pub(crate) frozen: bool,
+}
+
+/// A pose in 28 bytes, not 32: there are many pairs.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Place {
+    translation: Vec3,
+    rotation: Quat,
+}
+
+impl From<&Pose> for Place {
+    fn from(pose: &Pose) -> Self {
+        Self { translation: pose.translation, rotation: pose.rotation }
+    }
 }
 
 /// What no separation exceeds, m.
@@ -44,7 +57,7 @@ enum Lesson {
 impl Default for PairMemory {
     fn default() -> Self {
         let found = AxisBounds::default();
-        Self { axis: 0, b_in_a: Pose::IDENTITY, found, lesson: Lesson::Nothing, frozen: false }
+        Self { axis: 0, b_in_a: (&Pose::IDENTITY).into(), found, lesson: Lesson::Nothing, frozen: false }
     }
 }
 
@@ -64,14 +77,14 @@ impl PairMemory {
 
     /// The shapes have this gap along some axis, m.
     pub(crate) fn learn_gap(&mut self, b_in_a: &Pose, gap: f32) {
-        self.b_in_a = *b_in_a;
+        self.b_in_a = b_in_a.into();
         self.found = AxisBounds { best: gap, faces: 0.0 };
         self.lesson = Lesson::Apart;
     }
 
     /// `axis` was chosen, where this is what others reach.
     pub(crate) fn learn_axis(&mut self, b_in_a: &Pose, others: AxisBounds) {
-        (self.b_in_a, self.found, self.lesson) = (*b_in_a, others, Lesson::Chosen);
+        (self.b_in_a, self.found, self.lesson) = (b_in_a.into(), others, Lesson::Chosen);
     }
 
     /// All but the axis.
@@ -81,7 +94,7 @@ impl PairMemory {
 
     /// Rows are kept as they are with B here; what a search found is lost.
     pub(crate) fn freeze(&mut self, b_in_a: &Pose) {
-        (self.b_in_a, self.lesson, self.frozen) = (*b_in_a, Lesson::Nothing, true);
+        (self.b_in_a, self.lesson, self.frozen) = (b_in_a.into(), Lesson::Nothing, true);
     }
 
     /// How far B has come since rows were frozen: way (m) and the sine of half its turn.
@@ -108,14 +121,14 @@ impl Known {
 }
 
 /// How far points within `radius` (m) of the origin move at most from one pose to another, m.
-fn greatest_motion(from: &Pose, to: &Pose, radius: f32) -> f32 {
+fn greatest_motion(from: &Place, to: &Pose, radius: f32) -> f32 {
     let (shift, turn) = motion(from, to);
     // A turn by θ moves a point at the distance r from its axis by 2 r sin θ/2.
     shift.length() + 2.0 * radius * turn.length()
 }
 
 /// Way, and axis of the turn times the sine of half its angle.
-fn motion(from: &Pose, to: &Pose) -> (Vec3, Vec3) {
+fn motion(from: &Place, to: &Pose) -> (Vec3, Vec3) {
     let turn: Quat = from.rotation.inverse() * to.rotation;
     (to.translation - from.translation, turn.xyz())
 }

@@ -217,7 +217,7 @@ fn swept_bounds((min, max): (Vec3, Vec3), shape: &ShapeState, body: &BodyState, 
     }
     let half = 0.5 * (max - min);
     // A turning body reaches out by ω r Δt, never by more than its own size.
-    let reach = half.length() + shape.center_from_shape.translation.length();
+    let reach = half.length() + shape.offset.length();
     let (_, angular_velocity) = body.velocities_in_step(dt);
     let swing = (angular_velocity.length() * reach * dt).min(reach);
     let (motion, pad) = (motion_in_step(body, dt), Vec3::splat(margin + swing));
@@ -229,7 +229,7 @@ fn stays_inside(shape: &ShapeState, body: &BodyState, at_start: &Proxy) -> bool 
     let room = (at_start.min - shape.bounds_min).min(shape.bounds_max - at_start.max).min_element();
     let shift = body.center - start_center(body);
     // A point at r that turns by θ goes 2r sin θ/2, and |q − q₀| = 2 sin θ/4.
-    let reach = 0.5 * (at_start.max - at_start.min).length() + shape.center_from_shape.translation.length();
+    let reach = 0.5 * (at_start.max - at_start.min).length() + shape.offset.length();
     let turn = (body.rotation - body.previous_pose.rotation).length();
     shift.length() + 2.0 * reach * turn <= room
 }

@@ -45,7 +45,7 @@ pub(crate) fn push_manifold(
 /// for many.
 fn sort_by_name(points: &mut [LocalPoint]) {
     const FEW: usize = 8;
-    let before = |p: ((u64, bool), f32), q: ((u64, bool), f32)| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1));
+    let before = |p: ((u32, bool), f32), q: ((u32, bool), f32)| p.0.cmp(&q.0).then(p.1.total_cmp(&q.1));
     let key = |p: &LocalPoint| (p.id.order(), p.separation);
     if points.len() > FEW {
         points.sort_by(|p, q| before(key(p), key(q)));

@@ -105,9 +105,9 @@ impl SurfaceTriangle {
     pub fn drop_inner_points(&self, points: &mut Candidates) {
         let flat = self.neighbors.map(|n| n.is_some_and(|n| n.normal.dot(self.normal) > FLAT));
         points.retain(|point: &mut LocalPoint| {
-            if let Some(edge) = point.id.a.as_edge() {
+            if let Some(edge) = point.id.a().as_edge() {
                 !flat[edge as usize % 3]
-            } else if let Some(vertex) = point.id.a.as_vertex() {
+            } else if let Some(vertex) = point.id.a().as_vertex() {
                 // Edges k − 1 and k meet in vertex k.
                 !(flat[vertex as usize % 3] && flat[(vertex as usize + 2) % 3])
             } else {

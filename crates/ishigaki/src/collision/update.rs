@@ -3,7 +3,7 @@
 use crate::body::{BodyState, ShapeState};
 use crate::collision::continuous;
 use crate::collision::link::{Judge, Link};
-use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold};
+use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold, SurfaceExtras};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
 use crate::collision::pair::{Pair, append, clear_burst, insert_contacts};
 use crate::collision::pairs::motion_in_step;
@@ -12,7 +12,7 @@ use crate::constraint::contact::share_evenly;
 use crate::event::Event;
 use crate::hooks::{ContactHooks, PairView};
 use crate::island::aggressive_sleep;
-use crate::math::{Mat3, Pose, Vec3, without_dust};
+use crate::math::{Mat3, Pose, Vec3, tangents, without_dust};
 use crate::solver::penetration_recovery::DEADBAND;
 use crate::threads::Cut;
 use crate::world::World;
@@ -70,6 +70,7 @@ impl World {
 
     /// Touching that began or ended: bodies feel it, and it is an event.
     pub(crate) fn tell_touches(&mut self, touches: &mut Vec<Touch>) {
+        self.events.reserve_exact(touches.len());
         for touch in touches.drain(..) {
             if !touch.sensor {
                 for body in touch.bodies {
@@ -191,6 +192,9 @@ impl Search<'_> {
     /// All pairs of a part.
     fn refresh(&self, share: PairsAndContacts<'_>, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
         part.clear();
+        if part.links.capacity() == 0 {
+            part.links.reserve_exact(share.pairs.len());
+        }
         let mut known = share.contacts.iter_mut().peekable();
         for pair in share.pairs {
             match known.next_if(|contact| contact.key() == pair.key()) {
@@ -419,6 +423,8 @@ fn to_world(
     let turn = Mat3::from_quat(pose_a.rotation);
     let normal = without_dust(pose_a.rotation * found.normal);
     let (from_a, from_b) = (pose_a.translation - lead.moved - center_a, pose_a.translation - center_b);
+    let turned = old.filter(|old| old.normal != normal).map(|old| [tangents(old.normal), tangents(normal)]);
+    let carried = |impulse| turned.map_or(impulse, |[from, to]| from_tangents(impulse, from, to));
     let mut matched = 0;
     let points = found.points.iter().map(|p| {
         let last = old.and_then(|old| old.points.iter().find(|last| last.id == p.id));
@@ -429,7 +435,7 @@ fn to_world(
             separation: p.separation - lead.moved.dot(normal),
             id: p.id,
             lambda_normal: last.map_or(0.0, |last| last.lambda_normal),
-            lambda_friction: last.map_or(Vec3::ZERO, |last| last.lambda_friction),
+            lambda_friction: last.map_or([0.0; 2], |last| carried(last.lambda_friction)),
             impulse: 0.0,
         }
     });
@@ -438,20 +444,29 @@ fn to_world(
         points: points.collect(),
         part: found.part,
         lambda_torsion: old.map_or(0.0, |old| old.lambda_torsion),
-        lambda_rolling: old.map_or(Vec3::ZERO, |old| old.lambda_rolling),
+        lambda_rolling: old.map_or([0.0; 2], |old| carried(old.lambda_rolling)),
     };
     (manifold, matched)
+}
+
+/// A vector along two tangents, along two others.
+fn from_tangents([x, y]: [f32; 2], (t1, t2): (Vec3, Vec3), (s1, s2): (Vec3, Vec3)) -> [f32; 2] {
+    let vector = x * t1 + y * t2;
+    [vector.dot(s1), vector.dot(s2)]
 }
 
 fn mix_materials(contact: &mut Contact, a: &BodyState, b: &BodyState, shape_a: &ShapeState, shape_b: &ShapeState) {
     let (m, n) = (&shape_a.shape.material, &shape_b.shape.material);
     contact.friction = m.friction_combine.mix(n.friction_combine, m.friction, n.friction);
-    contact.restitution = m.restitution_combine.mix(n.restitution_combine, m.restitution, n.restitution);
-    contact.torsional_friction = m.torsional_friction.max(n.torsional_friction);
-    contact.rolling_friction = m.rolling_friction.max(n.rolling_friction);
-    contact.surface_velocity = if m.surface_velocity == Vec3::ZERO && n.surface_velocity == Vec3::ZERO {
-        Vec3::ZERO
-    } else {
-        b.rotation * n.surface_velocity - a.rotation * m.surface_velocity
-    };
+    let is_moving = m.surface_velocity != Vec3::ZERO || n.surface_velocity != Vec3::ZERO;
+    contact.set_extras(SurfaceExtras {
+        restitution: m.restitution_combine.mix(n.restitution_combine, m.restitution, n.restitution),
+        torsional_friction: m.torsional_friction.max(n.torsional_friction),
+        rolling_friction: m.rolling_friction.max(n.rolling_friction),
+        surface_velocity: if is_moving {
+            b.rotation * n.surface_velocity - a.rotation * m.surface_velocity
+        } else {
+            Vec3::ZERO
+        },
+    });
 }

@@ -86,13 +86,13 @@ pub fn rows(m: &Manifold, surface: &Surface, model: FrictionModel, base: u32, mu
         for (i, p) in m.points.iter().enumerate() {
             let (arm_a, arm_b) = middle_arms(p.arm_a, p.arm_b, m.normal, p.separation);
             let bound = Bound { first: first_normal + i as u32, count: 1, coefficient: surface.friction };
-            for (axis, coupling) in [t1, t2].into_iter().zip(pair(bound)) {
+            for ((axis, coupling), lambda) in [t1, t2].into_iter().zip(pair(bound)).zip(p.lambda_friction) {
                 emit(ContactRow {
                     jacobian: Jacobian::point(axis, arm_a, arm_b),
                     // The surfaces, not the bodies, come to rest relative to each other.
                     bias: -axis.dot(surface.surface_velocity),
                     coupling,
-                    lambda: p.lambda_friction.dot(axis),
+                    lambda,
                 });
             }
         }
@@ -107,13 +107,9 @@ pub fn rows(m: &Manifold, surface: &Surface, model: FrictionModel, base: u32, mu
         });
     }
     if layout.rolling > 0 {
-        for (axis, coupling) in [t1, t2].into_iter().zip(pair(all(surface.rolling_friction))) {
-            emit(ContactRow {
-                jacobian: Jacobian::rotation(axis),
-                bias: 0.0,
-                coupling,
-                lambda: m.lambda_rolling.dot(axis),
-            });
+        let pair = pair(all(surface.rolling_friction));
+        for ((axis, coupling), lambda) in [t1, t2].into_iter().zip(pair).zip(m.lambda_rolling) {
+            emit(ContactRow { jacobian: Jacobian::rotation(axis), bias: 0.0, coupling, lambda });
         }
     }
     for p in &m.points {
@@ -170,15 +166,14 @@ pub fn share_evenly(m: &mut Manifold, closed: f32) {
 /// Puts the solved impulses back into the manifold, for the next warm start.
 pub fn store(m: &mut Manifold, surface: &Surface, model: FrictionModel, lambdas: &[f32]) {
     let layout = Layout::new(m.points.len(), surface, model);
-    let (t1, t2) = tangents(m.normal);
     let (mut at, normals) = (0, layout.first_normal() as usize);
     for p in &mut m.points {
-        p.lambda_friction = if layout.tangents > 0 { t1 * lambdas[at] + t2 * lambdas[at + 1] } else { Vec3::ZERO };
+        p.lambda_friction = if layout.tangents > 0 { [lambdas[at], lambdas[at + 1]] } else { [0.0; 2] };
         at += if layout.tangents > 0 { 2 } else { 0 };
     }
     m.lambda_torsion = if layout.torsion > 0 { lambdas[at] } else { 0.0 };
     at += layout.torsion as usize;
-    m.lambda_rolling = if layout.rolling > 0 { t1 * lambdas[at] + t2 * lambdas[at + 1] } else { Vec3::ZERO };
+    m.lambda_rolling = if layout.rolling > 0 { [lambdas[at], lambdas[at + 1]] } else { [0.0; 2] };
     for (p, &lambda) in m.points.iter_mut().zip(&lambdas[normals..]) {
         p.lambda_normal = lambda;
     }

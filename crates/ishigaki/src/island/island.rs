@@ -7,6 +7,7 @@ use crate::body::{BodyState, NO_HEIGHT, Role};
 use crate::handle::Arena;
 use crate::solver::height;
 use crate::solver::joint_link;
+use crate::step::Scratch;
 use crate::union_find::{root, unite};
 use crate::world::World;
 
@@ -81,18 +82,13 @@ impl World {
     }
 
     fn measure_heights(&mut self) {
-        let mut supports = std::mem::take(&mut self.scratch.supports);
-        supports.clear();
-        supports
-            .extend(self.scratch.links.iter().filter(|link| link.bears).map(|link| (link.bodies[0], link.bodies[1])));
-        if self.options.solver.height.through_joints {
-            supports.extend(self.scratch.joint_links.iter().map(|link| (link.bodies[0], link.bodies[1])));
-        }
-        let (heights, roles) = (&mut self.scratch.heights, &self.scratch.roles);
+        let Scratch { links, joint_links, roles, height, heights, .. } = &mut self.scratch;
+        let joints = if self.options.solver.height.through_joints { &joint_links[..] } else { &[] };
+        let supports = links.iter().filter(|link| link.bears).map(|link| link.bodies);
+        let supports = supports.chain(joints.iter().map(|link| link.bodies));
         heights.clear();
         heights.resize(roles.len(), NO_HEIGHT);
-        height::heights(&supports, |i| roles[i as usize].ground, &mut self.scratch.height, heights);
-        self.scratch.supports = supports;
+        height::heights(supports, |i| roles[i as usize].ground, height, heights);
     }
 
     /// Tells bodies their height and their island.

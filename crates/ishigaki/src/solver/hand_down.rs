@@ -71,25 +71,19 @@ pub struct Stand {
     pub upper: u32,
     /// Index of the body that bears; 0 for the ground.
     pub lower: u32,
-    /// Which side of the manifold the upper body is, 0 or 1.
-    pub side: u8,
-    /// Height of the upper body, hops.
-    pub height: u32,
-    /// By which upper bodies of one height are sorted.
-    pub rank: u32,
-    /// What the caller knows it by.
-    pub name: u32,
+    /// Twice what the caller knows it by, and which side of the manifold the upper body is, 0 or 1.
+    name_and_side: u32,
 }
 
 impl Stand {
-    /// `None` where neither body stands on the other.
-    pub(crate) fn new(name: u32, bodies: [u32; 2], heights: [u32; 2], ranks: [u32; 2]) -> Option<Self> {
-        if heights[0] == heights[1] || heights.contains(&NO_HEIGHT) {
-            return None;
-        }
-        let side = usize::from(heights[1] > heights[0]);
-        let (upper, lower) = (bodies[side], bodies[1 - side]);
-        Some(Self { upper, lower, side: side as u8, height: heights[side], rank: ranks[side], name })
+    /// What the caller knows it by.
+    pub fn name(&self) -> usize {
+        self.name_and_side as usize / 2
+    }
+
+    /// Which side of the manifold the upper body is, 0 or 1.
+    pub fn side(&self) -> usize {
+        self.name_and_side as usize % 2
     }
 }
 
@@ -125,18 +119,20 @@ impl Support {
 /// Arrays that are used again.
 #[derive(Clone, Debug, Default)]
 pub struct HandDown {
-    /// All manifolds between bodies of different heights, in the order of their names; [`Self::solve`] sorts them from
-    /// the top down.
+    /// All manifolds between bodies of different heights.
     pub stands: Vec<Stand>,
-    /// By stand, once they are sorted: what hand-down adds to normal and tangents of each point, N·s.
+    /// By stand: what hand-down adds to normal and tangents of each point, N·s.
     pub changes: Vec<[Vec3; MAX_POINTS]>,
     /// By body: what it is to be rid of, −p.
     pub needs: Vec<Wrench>,
     /// By body: what all changes together push it with.
     pub pushes: Vec<Wrench>,
-    sorted: Vec<Stand>,
+    /// Bodies that stand on others: height, rank, body.
     uppers: Vec<(std::cmp::Reverse<u32>, u32, u32)>,
+    /// By body: how many others it stands on; then where they end in `order`.
     places: Vec<u32>,
+    /// Stands, upper body by upper body.
+    order: Vec<u32>,
     standing: Vec<Support>,
 }
 
@@ -148,19 +144,41 @@ impl HandDown {
             wrenches.clear();
             wrenches.resize(bodies, Wrench::default());
         }
+        self.uppers.clear();
+        self.places.clear();
+        self.places.resize(bodies, 0);
+    }
+
+    /// Adds a manifold, unless neither body stands on the other. Bodies of one height are sorted by their ranks.
+    pub(crate) fn add(&mut self, name: u32, bodies: [u32; 2], heights: [u32; 2], ranks: [u32; 2]) {
+        if heights[0] == heights[1] || heights.contains(&NO_HEIGHT) {
+            return;
+        }
+        let side = usize::from(heights[1] > heights[0]);
+        let (upper, lower) = (bodies[side], bodies[1 - side]);
+        let count = &mut self.places[upper as usize];
+        if *count == 0 {
+            self.uppers.push((std::cmp::Reverse(heights[side]), ranks[side], upper));
+        }
+        *count += 1;
+        self.stands.push(Stand { upper, lower, name_and_side: 2 * name + side as u32 });
     }
 
     /// Fills in `changes` and `pushes`; multiply-adds of that. `support` looks a stand up.
     pub fn solve(&mut self, support: &dyn Fn(&Stand) -> Support) -> u64 {
         self.sort();
-        self.changes.clear();
-        let mut work = 0;
-        for stands in self.stands.chunk_by(|a, b| a.upper == b.upper) {
+        self.changes.resize(self.stands.len(), [Vec3::ZERO; MAX_POINTS]);
+        let (mut work, mut first) = (0, 0);
+        for &(_, _, upper) in &self.uppers {
+            let upper = upper as usize;
+            let end = self.places[upper] as usize;
+            let names = &self.order[first..end];
+            first = end;
             self.standing.clear();
-            self.standing.extend(stands.iter().map(support));
-            let upper = stands[0].upper as usize;
+            self.standing.extend(names.iter().map(|&name| support(&self.stands[name as usize])));
             work += distribute(&mut self.standing, self.needs[upper]);
-            for (stand, support) in stands.iter().zip(&self.standing) {
+            for (&name, support) in names.iter().zip(&self.standing) {
+                let stand = self.stands[name as usize];
                 let lower = stand.lower as usize;
                 for point in &support.points[..support.count] {
                     let impulse = support.axes * point.change;
@@ -169,7 +187,7 @@ impl HandDown {
                     // The reaction is one more thing that the lower body is to be rid of.
                     self.needs[lower].add(impulse, point.arm_lower);
                 }
-                self.changes.push(support.points.map(|point| point.change));
+                self.changes[name as usize] = support.points.map(|point| point.change);
             }
         }
         work
@@ -177,30 +195,18 @@ impl HandDown {
 
     /// By height of the upper body from the top down, by body, by name: bodies are sorted, stands counted.
     fn sort(&mut self) {
-        self.places.clear();
-        self.places.resize(self.needs.len(), 0);
-        self.uppers.clear();
-        for stand in &self.stands {
-            let count = &mut self.places[stand.upper as usize];
-            if *count == 0 {
-                self.uppers.push((std::cmp::Reverse(stand.height), stand.rank, stand.upper));
-            }
-            *count += 1;
-        }
         self.uppers.sort_unstable();
         let mut first = 0;
         for &(_, _, upper) in &self.uppers {
             let place = &mut self.places[upper as usize];
             (*place, first) = (first, first + *place);
         }
-        self.sorted.clear();
-        self.sorted.resize(self.stands.len(), Stand::default());
-        for stand in &self.stands {
+        self.order.resize(self.stands.len(), 0);
+        for (stand, name) in self.stands.iter().zip(0..) {
             let place = &mut self.places[stand.upper as usize];
-            self.sorted[*place as usize] = *stand;
+            self.order[*place as usize] = name;
             *place += 1;
         }
-        std::mem::swap(&mut self.stands, &mut self.sorted);
     }
 }
 
@@ -235,7 +241,7 @@ impl World {
             let row = &plan.rows[m.first as usize];
             let bodies = [row.body_a, row.body_b];
             let heights = bodies.map(|b| plan.bodies[b as usize].height);
-            work.stands.extend(Stand::new(name, bodies, heights, bodies));
+            work.add(name, bodies, heights, bodies);
         }
         for (need, body) in work.needs.iter_mut().zip(&plan.bodies) {
             *need = Wrench { linear: -momentum(body), angular: -(body.inertia * body.angular_velocity) };
@@ -261,10 +267,10 @@ impl World {
     }
 
     fn support_of_rows(&self, plan: &Plan, stand: &Stand) -> Support {
-        let m = &plan.manifolds[stand.name as usize];
+        let m = &plan.manifolds[stand.name()];
         let manifold = &self.contacts[m.contact as usize].manifolds[m.manifold as usize];
         let rows = &plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
-        let mut support = Support::new(manifold, usize::from(stand.side), m.surface.friction);
+        let mut support = Support::new(manifold, stand.side(), m.surface.friction);
         for (i, (point, row)) in support.points.iter_mut().zip(normals_of(plan, stand)).enumerate() {
             point.lambda.x = row.lambda;
             point.is_active = row.lambda > 0.0 || row.velocity(&plan.bodies) + row.bias <= 0.0;
@@ -278,7 +284,7 @@ impl World {
 
 /// Rows of the points of a stand.
 fn normals_of<'a>(plan: &'a Plan, stand: &Stand) -> &'a [Row] {
-    let m = &plan.manifolds[stand.name as usize];
+    let m = &plan.manifolds[stand.name()];
     let first = (m.first + m.layout.first_normal()) as usize;
     &plan.rows[first..first + m.layout.normals as usize]
 }
@@ -297,7 +303,7 @@ fn moved(push: &Wrench, body: &SolverBody) -> (Vec3, Vec3) {
 /// λ += αd, u += αM⁻¹Jᵀd.
 fn take(plan: &mut Plan, work: &HandDown, alpha: f32) {
     for (stand, changes) in work.stands.iter().zip(&work.changes) {
-        let m = &plan.manifolds[stand.name as usize];
+        let m = &plan.manifolds[stand.name()];
         let rows = &mut plan.rows[m.first as usize..(m.first + m.layout.total()) as usize];
         for (i, change) in changes[..m.layout.normals as usize].iter().enumerate() {
             rows[m.layout.first_normal() as usize + i].lambda += alpha * change.x;

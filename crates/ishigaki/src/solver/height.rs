@@ -13,7 +13,12 @@ use std::collections::VecDeque;
 /// Hops from the ground for each of `heights.len()` nodes; `ground` nodes have 0. Links go both ways.
 ///
 /// Scratch arrays are the caller's, so that a settled world allocates nothing.
-pub fn heights(links: &[(u32, u32)], is_ground: impl Fn(u32) -> bool, scratch: &mut Scratch, heights: &mut [u32]) {
+pub fn heights(
+    links: impl Iterator<Item = [u32; 2]> + Clone,
+    is_ground: impl Fn(u32) -> bool,
+    scratch: &mut Scratch,
+    heights: &mut [u32],
+) {
     scratch.build(links, heights.len());
     scratch.queue.clear();
     for (node, height) in heights.iter_mut().enumerate() {
@@ -46,12 +51,11 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    fn build(&mut self, links: &[(u32, u32)], nodes: usize) {
+    fn build(&mut self, links: impl Iterator<Item = [u32; 2]> + Clone, nodes: usize) {
         self.starts.clear();
         self.starts.resize(nodes + 1, 0);
-        for &(a, b) in links {
-            self.starts[a as usize + 1] += 1;
-            self.starts[b as usize + 1] += 1;
+        for node in links.clone().flatten() {
+            self.starts[node as usize + 1] += 1;
         }
         for i in 0..nodes {
             self.starts[i + 1] += self.starts[i];
@@ -59,8 +63,8 @@ impl Scratch {
         self.fill.clear();
         self.fill.extend_from_slice(&self.starts[..nodes]);
         self.neighbors.clear();
-        self.neighbors.resize(2 * links.len(), 0);
-        for &(a, b) in links {
+        self.neighbors.resize(self.starts[nodes] as usize, 0);
+        for [a, b] in links {
             for (from, to) in [(a, b), (b, a)] {
                 self.neighbors[self.fill[from as usize] as usize] = to;
                 self.fill[from as usize] += 1;

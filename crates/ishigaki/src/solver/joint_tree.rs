@@ -123,7 +123,7 @@ impl JointTree {
         let first = links.iter().map(|&(a, b)| a.min(b)).min();
         let mut hops = vec![u32::MAX; bodies];
         let is_ground = |body: u32| if hangs { !moves(body) } else { Some(body) == first };
-        height::heights(&links, is_ground, &mut height::Scratch::default(), &mut hops);
+        height::heights(links.iter().map(|&(a, b)| [a, b]), is_ground, &mut height::Scratch::default(), &mut hops);
         // Of each body the first joint that leads nearer; parallel blocks of the same joint with it.
         let mut nearer: Vec<Option<(u32, u32)>> = vec![None; bodies];
         self.blocks.retain(|&block| {

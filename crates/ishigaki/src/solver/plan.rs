@@ -4,6 +4,7 @@
 //! in each step. Rows of joints come first, then those of contacts, both in the world's fixed order.
 
 use crate::collision::link::Link;
+use crate::collision::manifold::SurfaceExtras;
 use crate::constraint::contact::{self, Layout, Surface};
 use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
@@ -245,12 +246,10 @@ impl World {
                 continue;
             }
             let contact = &self.contacts[index];
-            let surface = Surface {
-                friction: contact.friction,
-                torsional_friction: contact.torsional_friction,
-                rolling_friction: contact.rolling_friction,
-                surface_velocity: contact.surface_velocity,
-            };
+            let SurfaceExtras { restitution, torsional_friction, rolling_friction, surface_velocity } =
+                contact.extras();
+            let surface =
+                Surface { friction: contact.friction, torsional_friction, rolling_friction, surface_velocity };
             for (m, manifold) in contact.manifolds.iter().enumerate() {
                 for body in [body_a, body_b] {
                     let body = &mut plan.bodies[body as usize];
@@ -264,7 +263,7 @@ impl World {
                     first,
                     layout: Layout::new(manifold.points.len(), &surface, model),
                     surface,
-                    restitution: contact.restitution,
+                    restitution,
                 });
                 contact::rows(manifold, &surface, model, first, |spec| {
                     let mut row = Row::of_contact(&spec, body_a, body_b);

@@ -130,13 +130,14 @@ fn solve_row(row: &mut Row, bodies: &mut [SolverBody]) {
 fn solve_disk(first: usize, reach: f32, rows: &mut [Row], bodies: &mut [SolverBody]) {
     let [one, two] = &mut rows[first..first + 2] else { return };
     let (w1, w2) = (one.velocity(bodies) + one.bias, two.velocity(bodies) + two.bias);
+    let [i11, i12, i22] = inverse_2x2(one.effective_mass, two.effective_mass, one.cross_mass);
     // Sticking: the impulse that stops both directions at once, if the disk holds it.
-    let (d1, d2) = solve_2x2(one.effective_mass, two.effective_mass, one.cross_mass, w1, w2);
-    let (mut l1, mut l2) = (one.lambda - d1, two.lambda - d2);
+    let (mut l1, mut l2) = (one.lambda - (i11 * w1 + i12 * w2), two.lambda - (i12 * w1 + i22 * w2));
     if l1 * l1 + l2 * l2 > reach * reach {
         // Sliding: a step of one length in both directions, so that at rest λ is opposite to w (Coulomb),
         // which the 2×2 step would turn where its two masses differ.
-        let step = scalar_step(one.effective_mass, two.effective_mass, one.cross_mass);
+        let difference = 0.5 * (i11 - i22);
+        let step = 0.5 * (i11 + i22) - (difference * difference + i12 * i12).sqrt();
         (l1, l2) = (one.lambda - step * w1, two.lambda - step * w2);
         let length = (l1 * l1 + l2 * l2).sqrt();
         if length > reach {
@@ -149,27 +150,17 @@ fn solve_disk(first: usize, reach: f32, rows: &mut [Row], bodies: &mut [SolverBo
     two.apply(bodies, delta2);
 }
 
-/// 1 / the greatest eigenvalue of [1/m₁, c; c, 1/m₂]: the longest step that does not overshoot.
+/// The inverse of the symmetric positive [1/m₁, c; c, 1/m₂] given by its inverse diagonal: 11, 12, 22. Where both rows see
+/// the same motion there is none: then 1 / its greatest eigenvalue for both, the longest step that does not overshoot.
 #[inline]
-fn scalar_step(m1: f32, m2: f32, c: f32) -> f32 {
-    if m1 <= 0.0 || m2 <= 0.0 {
-        return 0.0;
+fn inverse_2x2(m1: f32, m2: f32, c: f32) -> [f32; 3] {
+    let determinant = 1.0 - c * c * m1 * m2;
+    if determinant > 1e-3 {
+        let share = 1.0 / determinant;
+        return [m1 * share, -(c * m1 * m2 * share), m2 * share];
     }
     let (k1, k2) = (1.0 / m1, 1.0 / m2);
     let half = 0.5 * (k1 - k2);
-    1.0 / (0.5 * (k1 + k2) + (half * half + c * c).sqrt())
-}
-
-/// Solves [1/m₁, c; c, 1/m₂] d = w for a symmetric positive matrix given by its inverse diagonal.
-#[inline]
-fn solve_2x2(m1: f32, m2: f32, c: f32, w1: f32, w2: f32) -> (f32, f32) {
-    // 1 − c² m₁ m₂ is 0 where the two rows see the same motion: solve them one after the other then.
-    let determinant = 1.0 - c * c * m1 * m2;
-    if determinant > 1e-3 {
-        let scale = 1.0 / determinant;
-        ((w1 - c * m2 * w2) * m1 * scale, (w2 - c * m1 * w1) * m2 * scale)
-    } else {
-        let d1 = w1 * m1;
-        (d1, (w2 - c * d1) * m2)
-    }
+    let step = 1.0 / (0.5 * (k1 + k2) + (half * half + c * c).sqrt());
+    [step, 0.0, step]
 }

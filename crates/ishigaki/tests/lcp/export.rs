@@ -38,10 +38,9 @@ fn stored(world: &World, export: &ExportedLcp) -> Vec<Option<f64>> {
     let mut row = export.labels.iter().position(|l| l.kind != RowKind::Joint).unwrap();
     for contact in world.contacts() {
         for m in contact.manifolds {
-            let (t1, t2) = ishigaki::math::tangents(m.normal);
             for p in m.points.iter().filter(|_| model != FrictionModel::Off) {
-                for axis in [t1, t2] {
-                    lambda[row] = Some(p.lambda_friction.dot(axis).into());
+                for impulse in p.lambda_friction {
+                    lambda[row] = Some(impulse.into());
                     row += 1;
                 }
             }

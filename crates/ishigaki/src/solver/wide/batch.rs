@@ -8,14 +8,13 @@ use crate::collision::manifold::{Contact, ContactPoint, Manifold};
 use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::options::{FrictionModel, WorldOptions};
-use crate::solver::penetration_recovery::Recovery;
+use crate::solver::weight_amplification;
 use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, TangentLanes};
 use crate::solver::wide::domain::{Domain, Machine, Part, Sums};
 use crate::solver::wide::joints::Joints;
 use crate::solver::wide::lanes::{LANES, Lane, Record, set};
 use crate::solver::wide::mover::{Movers, NOBODY};
 use crate::solver::wide::moving;
-use crate::solver::{slop, weight_amplification};
 use crate::world::JointState;
 use fearless_simd::{Level, dispatch};
 
@@ -29,7 +28,7 @@ const NO_POINT: ContactPoint = ContactPoint {
     separation: 0.0,
     id: FeatureId::new(Feature::unknown(0), Feature::unknown(0)),
     lambda_normal: 0.0,
-    lambda_friction: Vec3::ZERO,
+    lambda_friction: [0.0; 2],
     impulse: 0.0,
 };
 
@@ -44,15 +43,12 @@ pub struct Place {
     pub bodies: [u32; 2],
     /// Island, local to the batch.
     pub island: u32,
-    pub(super) color: u32,
     pub(super) domain: u8,
     /// Points of its block, at most.
     pub size: Size,
     pub(super) is_round: bool,
-    /// Block.
-    pub block: u32,
-    /// Lane of the block.
-    pub lane: u32,
+    /// Number of its lane among those of all blocks; before it has one, its color.
+    pub(super) lane: u32,
 }
 
 /// What a batch remembers of each of its islands.
@@ -143,8 +139,6 @@ pub struct Batch {
     pub roots: Vec<Record>,
     /// I^½ as it was before bodies turned.
     pub old_roots: Vec<Record>,
-    /// Points of each block and lane.
-    pub counts: Vec<Lane>,
     pub(super) used_colors: Vec<u64>,
     pub(super) sums: Vec<Sums>,
     /// Of each block of bodies.
@@ -173,18 +167,17 @@ pub(crate) struct Source<'a> {
 impl Place {
     /// A manifold before it has a color.
     pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
-        Self {
-            contact,
-            manifold,
-            bodies,
-            island,
-            color: 0,
-            domain: 0,
-            size: Size::Four,
-            is_round: false,
-            block: 0,
-            lane: 0,
-        }
+        Self { contact, manifold, bodies, island, domain: 0, size: Size::Four, is_round: false, lane: 0 }
+    }
+
+    /// Its block.
+    pub fn block(&self) -> usize {
+        self.lane as usize / LANES
+    }
+
+    /// Its lane there.
+    pub fn lane(&self) -> usize {
+        self.lane as usize % LANES
     }
 }
 
@@ -236,14 +229,9 @@ impl Batch {
     }
 
     fn make_records(&mut self) {
-        for records in [
-            &mut self.velocities,
-            &mut self.before,
-            &mut self.carried,
-            &mut self.displacements,
-            &mut self.roots,
-            &mut self.old_roots,
-        ] {
+        for records in
+            [&mut self.velocities, &mut self.before, &mut self.carried, &mut self.displacements, &mut self.roots]
+        {
             records.clear();
             records.resize(self.movers.records(), Record::default());
         }
@@ -255,7 +243,7 @@ impl Batch {
         for place in &self.places {
             let contact = &source.contacts[place.contact as usize];
             let scale = weight_amplification::scale(options, height(contact.body_a), height(contact.body_b));
-            let (lanes, lane) = (&mut self.scales[place.block as usize], place.lane as usize);
+            let (lanes, lane) = (&mut self.scales[place.block()], place.lane());
             (lanes.mass[0][lane], lanes.mass[1][lane]) = (scale.mass_a, scale.mass_b);
             (lanes.inertia[0][lane], lanes.inertia[1][lane]) = (scale.inertia_a, scale.inertia_b);
         }
@@ -278,27 +266,24 @@ impl Part<'_> {
     /// Lanes of all manifolds; how many rows the reference would have for them.
     fn fill(&mut self, source: &Source<'_>) -> u32 {
         let solver = &source.options.solver;
-        let scale = source.options.length_scale;
-        let deadband = Recovery::new(&solver.penetration_recovery, slop::depth(&solver.slop, scale), scale).deadband;
-        let first_block = self.domain().blocks.start as u32;
+        let first_block = self.domain().blocks.start;
         let mut rows = 0;
         for &name in self.manifolds {
             let place = self.places[name as usize];
             let contact = &source.contacts[place.contact as usize];
             let manifold = &contact.manifolds[place.manifold as usize];
-            let (block, lane) = ((place.block - first_block) as usize, place.lane as usize);
+            let (block, lane) = (place.block() - first_block, place.lane());
             let friction = if solver.friction == FrictionModel::Off { 0.0 } else { contact.friction };
             rows += manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 };
             self.fill_manifold(block, lane, friction, manifold, source.warm_scale);
             let bears = solver.warm_start.enabled && !place.bodies.iter().any(|&b| self.joints.has(b));
-            self.blocks[block].deadband[lane] = if bears { deadband } else { 0.0 };
+            self.blocks[block].set_bears(lane, bears);
             self.fill_bodies(block, lane, place.bodies);
         }
         rows
     }
 
     fn fill_manifold(&mut self, block: usize, lane: usize, friction: f32, manifold: &Manifold, warm_scale: f32) {
-        self.counts[block][lane] = manifold.points.len() as f32;
         let block = &mut self.blocks[block];
         block.friction[lane] = friction;
         set(&mut block.normal, lane, manifold.normal);
@@ -306,13 +291,13 @@ impl Part<'_> {
         for i in 0..block.size.points() {
             let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
             let point = manifold.points.get(i).unwrap_or(&NO_POINT);
+            p.effective_mass[lane] = if i < manifold.points.len() { 1.0 } else { 0.0 };
             set(&mut p.angular_a, lane, point.arm_a);
             set(&mut p.angular_b, lane, point.arm_b);
             p.separation[lane] = point.separation;
             p.lambda[lane] = point.lambda_normal * warm_scale;
-            let friction = point.lambda_friction * friction_scale;
-            for (lanes, value) in disk.inverse.iter_mut().zip(friction.to_array()) {
-                lanes[lane] = value;
+            for (lanes, value) in disk.lambda.iter_mut().zip(point.lambda_friction) {
+                lanes[lane] = value * friction_scale;
             }
         }
     }

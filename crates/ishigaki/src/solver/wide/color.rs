@@ -51,10 +51,8 @@ impl Batch {
                 counts_of.resize(color as usize + 1, [0; KINDS]);
             }
             let place = &mut self.places[p];
-            (place.color, place.size, place.is_round, place.domain) = (color, size, is_round, domain);
-            let count = &mut counts_of[color as usize][place.kind()];
-            place.lane = *count;
-            *count += 1;
+            (place.lane, place.size, place.is_round, place.domain) = (color, size, is_round, domain);
+            counts_of[color as usize][place.kind()] += 1;
         }
         self.make_blocks(colors);
         self.name_manifolds();
@@ -90,12 +88,10 @@ impl Batch {
                     let blocks = count.div_ceil(LANES as u32) as usize;
                     if self.blocks.len() < first + blocks {
                         self.blocks.resize(first + blocks, ContactBlock::EMPTY);
-                        self.counts.resize(first + blocks, [0.0; LANES]);
                     }
                     if !count.is_multiple_of(LANES as u32) {
                         let last = first + blocks - 1;
                         self.blocks[last] = ContactBlock::EMPTY;
-                        self.counts[last] = [0.0; LANES];
                     }
                     for block in &mut self.blocks[first..first + blocks] {
                         (block.size, block.tangents) = (size, ContactBlock::ROUND);
@@ -104,7 +100,7 @@ impl Batch {
                             tangents += 1;
                         }
                     }
-                    *count = first as u32;
+                    *count = (first * LANES) as u32;
                     first += blocks;
                 }
                 domain.colors.push(start..first);
@@ -114,7 +110,6 @@ impl Batch {
         }
         self.blocks.truncate(first);
         self.tangents.resize(tangents, TangentLanes::EMPTY);
-        self.counts.truncate(first);
         self.unrest.resize(first, [0.0; LANES]);
         self.manifolds.clear();
         self.manifolds.resize(manifolds, 0);
@@ -124,9 +119,8 @@ impl Batch {
     fn name_manifolds(&mut self) {
         for (place, name) in self.places.iter_mut().zip(0..) {
             let domain = &mut self.domains[usize::from(place.domain)];
-            let index = place.lane;
-            place.block = domain.counts_of[place.color as usize][place.kind()] + index / LANES as u32;
-            place.lane = index % LANES as u32;
+            let next = &mut domain.counts_of[place.lane as usize][place.kind()];
+            (place.lane, *next) = (*next, *next + 1);
             self.manifolds[domain.manifolds.end] = name;
             domain.manifolds.end += 1;
         }

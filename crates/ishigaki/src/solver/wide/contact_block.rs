@@ -11,8 +11,8 @@
 
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::wide::lanes::{LANES, Lane, Lane3, Record, Sides, V3, load, positive, splat, store};
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8};
 
 /// Points of a manifold.
 pub const POINTS: usize = 4;
@@ -117,7 +117,7 @@ pub struct PointLanes {
     pub angular_b: Lane3,
     /// J'J'ᵀ of the normal row, 1/kg.
     pub k: Lane,
-    /// Its inverse, kg; 0 where there is no point.
+    /// Its inverse, kg; 0 where there is no point. While blocks are filled, 1 where there is one.
     pub effective_mass: Lane,
     /// Normal impulse, N·s.
     pub lambda: Lane,
@@ -132,11 +132,9 @@ pub struct PointLanes {
 /// Friction of one point of eight manifolds.
 #[derive(Clone, Copy, Debug)]
 pub struct DiskLanes {
-    /// (J'J'ᵀ)⁻¹ of the two tangent rows, row by row, kg; while blocks are filled, the first three hold the impulse in
-    /// world, N·s.
-    pub inverse: [Lane; 4],
-    /// 1 / the greatest eigenvalue of J'J'ᵀ, kg.
-    pub step: Lane,
+    /// (J'J'ᵀ)⁻¹ of the two tangent rows, kg: 11, 12, 22. Where it is near to singular, the longest step that does not
+    /// overshoot, for both.
+    pub inverse: [Lane; 3],
     /// Friction impulses along the tangents, N·s.
     pub lambda: [Lane; 2],
 }
@@ -187,10 +185,10 @@ pub struct ContactBlock {
     pub root_b: Lane,
     /// Coulomb's μ.
     pub friction: Lane,
-    /// Gap that does not switch support off, m: none between bodies with joints.
-    pub deadband: Lane,
     /// Points that the fullest of the eight has: 1, 2 or 4; beyond them nothing is read.
     pub size: Size,
+    /// Bits of the lanes whose support small gaps do not switch off: not between bodies with joints.
+    pub bears: u8,
     /// Which of the [`TangentLanes`] of its domain belong to it; beyond all of them if its bodies are round.
     pub tangents: u32,
     /// J'J'ᵀ of points 01, 02, 03, 12, 13, 23.
@@ -213,8 +211,8 @@ impl ContactBlock {
         root_a: ZERO,
         root_b: ZERO,
         friction: ZERO,
-        deadband: ZERO,
         size: Size::Four,
+        bears: 0,
         tangents: Self::ROUND,
         coupling: [ZERO; 6],
         points: [PointLanes {
@@ -227,8 +225,15 @@ impl ContactBlock {
             bias: ZERO,
             total: ZERO,
         }; POINTS],
-        disks: [DiskLanes { inverse: [ZERO; 4], step: ZERO, lambda: [ZERO; 2] }; POINTS],
+        disks: [DiskLanes { inverse: [ZERO; 3], lambda: [ZERO; 2] }; POINTS],
     };
+}
+
+impl ContactBlock {
+    /// Whether small gaps leave the support of a lane as it is.
+    pub fn set_bears(&mut self, lane: usize, bears: bool) {
+        self.bears = self.bears & !(1 << lane) | u8::from(bears) << lane;
+    }
 }
 
 /// What all visits of a sweep share.
@@ -364,7 +369,9 @@ fn measure_points<S: Simd, const N: usize>(
     let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
     let ways = normal_velocities::<S, N>(simd, block, tangents, n, relative, &moved);
     let zero = splat(simd, 0.0);
-    let (h, deadband) = (splat(simd, pass.h), load(simd, &block.deadband));
+    let h = splat(simd, pass.h);
+    let bears = mask32x8::from_bitmask(simd, block.bears.into());
+    let deadband = bears.select(splat(simd, pass.recovery.deadband), zero);
     for (p, way) in block.points[..many::<N>(block.size)].iter_mut().zip(ways) {
         let s = load(simd, &p.separation) + way;
         let borne = h * load(simd, &p.lambda) * load(simd, &p.k);

@@ -26,12 +26,12 @@ impl World {
         }
         let chosen = batch.places.iter().filter(|p| wanted[p.island as usize]);
         for (place, m) in chosen.zip(&aid.manifolds) {
-            copy_in(&batch.blocks[place.block as usize], place.lane as usize, m, &mut aid.rows);
+            copy_in(&batch.blocks[place.block()], place.lane(), m, &mut aid.rows);
         }
         self.correct_levels(aid, pass.h);
         let chosen = batch.places.iter().filter(|p| wanted[p.island as usize]);
         for (place, m) in chosen.zip(&aid.manifolds) {
-            copy_out(&mut batch.blocks[place.block as usize], place.lane as usize, m, &aid.rows);
+            copy_out(&mut batch.blocks[place.block()], place.lane(), m, &aid.rows);
         }
         self.bring_back(batch, aid, wanted);
     }

@@ -90,7 +90,6 @@ pub(super) struct Part<'a> {
     pub manifolds: &'a [u32],
     pub blocks: &'a mut [ContactBlock],
     pub tangents: &'a mut [TangentLanes],
-    pub counts: &'a mut [Lane],
     pub unrest: &'a mut [Lane],
     /// Of the blocks, or one for all.
     pub scales: &'a [ScaleLanes],
@@ -137,7 +136,6 @@ impl Cut for Part<'_> {
         let (manifolds, other_manifolds) = self.manifolds.split_at(manifold);
         let (blocks, other_blocks) = self.blocks.split_at_mut(block);
         let (tangents, other_tangents) = self.tangents.split_at_mut(next.tangents.start - first.tangents.start);
-        let (counts, other_counts) = self.counts.split_at_mut(block);
         let (unrest, other_unrest) = self.unrest.split_at_mut(block);
         let one_for_all = self.scales.len() == 1;
         let (scales, other_scales) = if one_for_all { (self.scales, self.scales) } else { self.scales.split_at(block) };
@@ -154,7 +152,6 @@ impl Cut for Part<'_> {
             manifolds: other_manifolds,
             blocks: other_blocks,
             tangents: other_tangents,
-            counts: other_counts,
             unrest: other_unrest,
             scales: other_scales,
             joints: self.joints,
@@ -172,7 +169,6 @@ impl Cut for Part<'_> {
             manifolds,
             blocks,
             tangents,
-            counts,
             unrest,
             scales,
             joints: self.joints,
@@ -246,7 +242,6 @@ impl Batch {
             manifolds: &self.manifolds[first.manifolds.start..last.manifolds.end],
             blocks: &mut self.blocks[blocks.clone()],
             tangents: &mut self.tangents[first.tangents.start..last.tangents.end],
-            counts: &mut self.counts[blocks.clone()],
             unrest: &mut self.unrest[blocks.clone()],
             scales: if self.scales.len() == 1 { &self.scales } else { &self.scales[blocks] },
             joints: &self.joints,
@@ -326,7 +321,7 @@ impl Batch {
             sums.of_islands.clear();
             sums.of_islands.resize(islands, [0.0; 2]);
             for place in places[CHUNK * sums.chunk..].iter().take(CHUNK) {
-                let (k, lane) = (place.block as usize, place.lane as usize);
+                let (k, lane) = (place.block(), place.lane());
                 let [load, energy] = &mut sums.of_islands[place.island as usize];
                 *energy += unrest[k][lane];
                 *load += blocks[k].points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum::<f32>();

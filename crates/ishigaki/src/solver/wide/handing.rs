@@ -9,10 +9,11 @@ impl World {
     /// Hands down the momentum of one island; the energy of the residual that it took away, J.
     pub(crate) fn hand_down(&self, batch: &mut Batch, work: &mut HandDown, island: u32) -> f32 {
         work.clear(batch.movers.records());
+        work.stands.reserve_exact(batch.islands[island as usize].manifolds as usize);
         for (place, name) in batch.places.iter().zip(0..).filter(|(place, _)| place.island == island) {
             let contact = &self.contacts[place.contact as usize];
             let heights = [contact.body_a, contact.body_b].map(|slot| self.bodies.at(slot).height);
-            work.stands.extend(Stand::new(name, place.bodies, heights, place.bodies.map(|b| batch.movers.rank(b))));
+            work.add(name, place.bodies, heights, place.bodies.map(|b| batch.movers.rank(b)));
         }
         for (body, _) in batch.movers.bodies() {
             let (p, l) = batch.movers.impetus(body, &batch.velocities[body as usize]);
@@ -27,10 +28,10 @@ impl World {
     }
 
     fn support(&self, batch: &Batch, stand: &Stand) -> Support {
-        let place = &batch.places[stand.name as usize];
+        let place = &batch.places[stand.name()];
         let manifold = &self.contacts[place.contact as usize].manifolds[place.manifold as usize];
-        let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
-        let mut support = Support::new(manifold, usize::from(stand.side), block.friction[lane]);
+        let (block, lane) = (&batch.blocks[place.block()], place.lane());
+        let mut support = Support::new(manifold, stand.side(), block.friction[lane]);
         let [(v_a, w_a), (v_b, w_b)] = place.bodies.map(|b| velocities(batch, b));
         for (i, (point, at)) in support.points.iter_mut().zip(&manifold.points).enumerate() {
             let (p, disk) = (&block.points[i], &block.disks[i]);
@@ -61,10 +62,10 @@ fn search(batch: &Batch, work: &HandDown) -> Search {
         }
     }
     for (stand, changes) in work.stands.iter().zip(&work.changes) {
-        let place = &batch.places[stand.name as usize];
-        let block = &batch.blocks[place.block as usize];
+        let place = &batch.places[stand.name()];
+        let block = &batch.blocks[place.block()];
         for (change, lanes) in changes[..place.size.points()].iter().zip(&block.points) {
-            search.slope += f64::from(lanes.bias[place.lane as usize] * change.x);
+            search.slope += f64::from(lanes.bias[place.lane()] * change.x);
         }
     }
     search
@@ -73,8 +74,8 @@ fn search(batch: &Batch, work: &HandDown) -> Search {
 /// λ += αd, u' += αM^−½Jᵀd.
 fn take(batch: &mut Batch, work: &HandDown, alpha: f32) {
     for (stand, changes) in work.stands.iter().zip(&work.changes) {
-        let place = &batch.places[stand.name as usize];
-        let (block, lane) = (&mut batch.blocks[place.block as usize], place.lane as usize);
+        let place = &batch.places[stand.name()];
+        let (block, lane) = (&mut batch.blocks[place.block()], place.lane());
         for (i, change) in changes[..place.size.points()].iter().enumerate() {
             let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
             p.lambda[lane] += alpha * change.x;

@@ -43,22 +43,16 @@ pub struct MoverBlock {
     pub inertia: Lane3,
     /// 1/I about the principal axes.
     pub inverse_inertia: Lane3,
-    /// 1 where moments of inertia are not all the same, else 0.
-    pub uneven: Lane,
-    /// 1 where rows of joints turn with such a body, else 0.
-    pub weighed: Lane,
     /// F/m + g, m/s².
     pub acceleration: Lane3,
     /// N·m.
     pub torque: Lane3,
-    /// Of v and ω, 1/s.
-    pub damping: [Lane; 2],
     /// What damping leaves of v and L in a substep.
     pub kept: [Lane; 2],
-    /// Some lane is uneven.
-    pub has_uneven: bool,
-    /// Some lane is weighed.
-    pub has_weighed: bool,
+    /// Bits of the lanes whose moments of inertia are not all the same.
+    pub uneven: u8,
+    /// Bits of those of them with which rows of joints turn.
+    pub weighed: u8,
     /// Some lane has a torque or angular damping.
     pub is_turned: bool,
 }
@@ -78,14 +72,11 @@ impl MoverBlock {
         frame: [ZERO, ZERO, ZERO, [1.0; LANES]],
         inertia: ZERO3,
         inverse_inertia: ZERO3,
-        uneven: ZERO,
-        weighed: ZERO,
         acceleration: ZERO3,
         torque: ZERO3,
-        damping: [ZERO; 2],
         kept: [[1.0; LANES]; 2],
-        has_uneven: false,
-        has_weighed: false,
+        uneven: 0,
+        weighed: 0,
         is_turned: false,
     };
 
@@ -105,17 +96,14 @@ impl MoverBlock {
         let acceleration = if inverse_mass > 0.0 { gravity * body.gravity_scale } else { Vec3::ZERO };
         set(&mut self.acceleration, lane, body.force * inverse_mass + acceleration);
         set(&mut self.torque, lane, body.torque);
-        (self.damping[0][lane], self.damping[1][lane]) = (body.linear_damping, body.angular_damping);
         self.is_turned |= body.torque != Vec3::ZERO || body.angular_damping != 0.0;
-        for (kept, damping) in self.kept.iter_mut().zip(&self.damping) {
-            kept[lane] = forces::damping_factor(damping[lane], h);
+        for (kept, damping) in self.kept.iter_mut().zip([body.linear_damping, body.angular_damping]) {
+            kept[lane] = forces::damping_factor(damping, h);
         }
         if !spin.is_isotropic() {
-            self.uneven[lane] = 1.0;
-            self.has_uneven = true;
+            self.uneven |= 1 << lane;
             if is_jointed {
-                self.weighed[lane] = 1.0;
-                self.has_weighed = true;
+                self.weighed |= 1 << lane;
             }
         }
     }
@@ -257,7 +245,7 @@ impl Movers {
     /// Whether all moments of inertia of the body with this record are the same; nor does the ground turn.
     pub fn is_round(&self, record: u32) -> bool {
         let (block, lane) = self.at(record);
-        block.uneven[lane] == 0.0
+        block.uneven >> lane & 1 == 0
     }
 
     /// The first of I^−½ of the body with this record: all of it, if it is round.

@@ -12,6 +12,7 @@ use crate::solver::wide::mover::{Lane6, MoverBlock};
 use crate::solver::wide::turning::{
     choose, gyration, inverse_inertia_times, roots, store_rotation, symmetric, turn, turned,
 };
+use fearless_simd::mask32x8;
 use fearless_simd::prelude::*;
 
 /// Records of eight bodies.
@@ -93,7 +94,7 @@ impl<S: Simd> Twist<S> {
 /// I^½ or I^−½ times a vector: a number, where bodies are round.
 #[inline(always)]
 fn root_times<S: Simd>(simd: S, block: &MoverBlock, root: &Lane6, v: V3<S>) -> V3<S> {
-    if block.has_uneven { symmetric(simd, root).times(v) } else { v.times(load(simd, &root[0])) }
+    if block.uneven != 0 { symmetric(simd, root).times(v) } else { v.times(load(simd, &root[0])) }
 }
 
 /// v += h(F/m + g), L += hτ, damping; then u', with what the last substep carried over added to it.
@@ -233,12 +234,12 @@ fn reweigh<S: Simd>(
     before: &mut Eight,
     velocities: &mut Eight,
 ) {
-    if !block.has_weighed {
+    if block.weighed == 0 {
         return;
     }
     let way = Twist::read(simd, displacements);
     let moved = way.unweighted(simd, block);
-    let chosen = load(simd, &block.weighed).simd_gt(splat(simd, 0.0));
+    let chosen = mask32x8::from_bitmask(simd, block.weighed.into());
     let [root, inverse] = roots(simd, block);
     let (old, old_inverse) = (symmetric(simd, &block.root), symmetric(simd, &block.inverse_root));
     let root = Symmetric { upper: choose(chosen, root.upper, old.upper), lower: choose(chosen, root.lower, old.lower) };

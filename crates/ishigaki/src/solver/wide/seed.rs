@@ -47,7 +47,7 @@ impl Batch {
             let upper = usize::from(height(contact.body_b) > height(contact.body_a));
             let (above, below) = (place.bodies[upper] as usize, place.bodies[1 - upper] as usize);
             let manifold = &contact.manifolds[place.manifold as usize];
-            let (block, lane) = (&mut self.blocks[place.block as usize], place.lane as usize);
+            let (block, lane) = (&mut self.blocks[place.block()], place.lane());
             let mut borne: f32 = block.points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum();
             let is_slow = |slot: u32| slow(source, slot);
             if borne == 0.0 && is_slow(contact.body_a) && is_slow(contact.body_b) {

@@ -240,9 +240,10 @@ impl Batch {
 
     /// Inertias of bodies with joints, and rows of their contacts, for the rotations as they are: limbs turn far in a step.
     fn weigh(&mut self, level: Level) {
-        if !self.movers.blocks.iter().any(|block| block.has_weighed) {
+        if !self.movers.blocks.iter().any(|block| block.weighed != 0) {
             return;
         }
+        self.old_roots.resize(self.roots.len(), Record::default());
         let movers = &mut self.movers.blocks;
         let (roots, old, ways) = (&mut self.roots, &mut self.old_roots, &mut self.displacements);
         let (before, velocities) = (&mut self.before, &mut self.velocities);

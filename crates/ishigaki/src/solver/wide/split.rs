@@ -63,12 +63,12 @@ impl World {
         let mut first = 0;
         for batch in &wide.batches[..wide.used] {
             for place in &batch.places {
-                wide.order.push((place.contact, place.manifold, first + LANES as u32 * place.block + place.lane));
+                wide.order.push((place.contact, place.manifold, first + place.lane));
                 let manifold = &mut self.contacts[place.contact as usize].manifolds[place.manifold as usize];
-                let block = &batch.blocks[place.block as usize];
+                let block = &batch.blocks[place.block()];
                 for (point, lanes) in manifold.points.iter_mut().zip(&block.points) {
                     if scale > 0.0 && point.lambda_normal == 0.0 {
-                        point.lambda_normal = lanes.lambda[place.lane as usize] / scale;
+                        point.lambda_normal = lanes.lambda[place.lane()] / scale;
                     }
                 }
             }
@@ -248,6 +248,10 @@ impl World {
             let Some(&slot) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
             let number = wide.batch_of[slot as usize];
             let batch = &mut wide.batches[number as usize];
+            if batch.places.is_empty() {
+                // Lists that grow leave holes in memory, each half as large as they are.
+                batch.places.reserve_exact(batch.divisible as usize);
+            }
             (link.batch, link.place) = (number, batch.places.len() as u32);
             let island = wide.island_of[slot as usize];
             let state = &mut batch.islands[island as usize];

@@ -3,7 +3,6 @@
 use crate::collision::link::Link;
 use crate::collision::manifold::{Contact, Manifold};
 use crate::collision::update::Touch;
-use crate::math::{Vec3, tangents};
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{Batch, Place};
 use crate::world::World;
@@ -87,14 +86,13 @@ fn store_contact(batch: &Batch, first: usize, contact: &mut Contact, full_subste
 }
 
 fn store_manifold(batch: &Batch, place: &Place, manifold: &mut Manifold, share: f32) {
-    let (block, lane) = (&batch.blocks[place.block as usize], place.lane as usize);
-    let (t1, t2) = tangents(manifold.normal);
+    let (block, lane) = (&batch.blocks[place.block()], place.lane());
     for (i, point) in manifold.points.iter_mut().enumerate() {
         let (p, disk) = (&block.points[i], &block.disks[i]);
         point.lambda_normal = share * p.lambda[lane];
-        point.lambda_friction = share * (t1 * disk.lambda[0][lane] + t2 * disk.lambda[1][lane]);
+        point.lambda_friction = [share * disk.lambda[0][lane], share * disk.lambda[1][lane]];
         point.impulse = p.total[lane];
         point.separation = p.separation[lane];
     }
-    (manifold.lambda_torsion, manifold.lambda_rolling) = (0.0, Vec3::ZERO);
+    (manifold.lambda_torsion, manifold.lambda_rolling) = (0.0, [0.0; 2]);
 }

@@ -41,9 +41,9 @@ impl Part<'_> {
 
     /// Rows of the blocks that were filled.
     pub fn prepare(&mut self, level: Level) {
-        let (scales, roots, counts) = (self.scales, &*self.roots, &*self.counts);
+        let (scales, roots) = (self.scales, &*self.roots);
         let (blocks, tangents) = (&mut *self.blocks, &mut *self.tangents);
-        dispatch!(level, simd => prepare_all(simd, blocks, tangents, scales, roots, counts));
+        dispatch!(level, simd => prepare_all(simd, blocks, tangents, scales, roots));
     }
 
     /// u' += J'ᵀλ for some of the blocks.
@@ -85,11 +85,10 @@ fn prepare_all<S: Simd>(
     tangents: &mut [TangentLanes],
     scales: &[ScaleLanes],
     roots: &[Record],
-    counts: &[Lane],
 ) {
-    for (k, (block, counts)) in blocks.iter_mut().zip(counts).enumerate() {
+    for (k, block) in blocks.iter_mut().enumerate() {
         let tangents = tangents.get_mut(block.tangents as usize);
-        kernel::prepare(simd, block, tangents, &scales[k.min(scales.len() - 1)], roots, counts);
+        kernel::prepare(simd, block, tangents, &scales[k.min(scales.len() - 1)], roots);
     }
 }
 

@@ -23,7 +23,7 @@ pub fn symmetric<S: Simd>(simd: S, lanes: &Lane6) -> Symmetric<S> {
 /// Where moments of inertia are not all the same.
 #[inline(always)]
 fn is_uneven<S: Simd>(simd: S, block: &MoverBlock) -> mask32x8<S> {
-    load(simd, &block.uneven).simd_gt(splat(simd, 0.0))
+    mask32x8::from_bitmask(simd, block.uneven.into())
 }
 
 /// `a` where the mask is set, else `b`.
@@ -42,7 +42,7 @@ fn scaled<S: Simd>(a: V3<S>, b: V3<S>) -> V3<S> {
 pub fn inverse_inertia_times<S: Simd>(simd: S, block: &MoverBlock, rotation: Q4<S>, l: V3<S>) -> V3<S> {
     let inverse = V3::load(simd, &block.inverse_inertia);
     let round = l.times(inverse.x);
-    if !block.has_uneven {
+    if block.uneven == 0 {
         return round;
     }
     let axes = rotation.after(Q4::load(simd, &block.frame));
@@ -55,7 +55,7 @@ pub fn inverse_inertia_times<S: Simd>(simd: S, block: &MoverBlock, rotation: Q4<
 pub fn gyration<S: Simd>(simd: S, block: &MoverBlock) -> V3<S> {
     let zero = splat(simd, 0.0);
     let zero = V3 { x: zero, y: zero, z: zero };
-    if !block.has_uneven {
+    if block.uneven == 0 {
         return zero;
     }
     let torque = V3::load(simd, &block.momentum).cross(V3::load(simd, &block.spin));
@@ -93,7 +93,7 @@ fn root<S: Simd>(v: V3<S>) -> V3<S> {
 pub fn roots<S: Simd>(simd: S, block: &MoverBlock) -> [Symmetric<S>; 2] {
     let uneven = is_uneven(simd, block);
     let root_of = [root(V3::load(simd, &block.inertia)), root(V3::load(simd, &block.inverse_inertia))];
-    if !block.has_uneven {
+    if block.uneven == 0 {
         return [rotated_diagonal(simd, None, uneven, root_of[0]), rotated_diagonal(simd, None, uneven, root_of[1])];
     }
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
@@ -211,7 +211,7 @@ pub fn turn<S: Simd>(simd: S, block: &mut MoverBlock, scheme: RotationScheme, h:
     let rotation = Q4::load(simd, &block.rotation);
     let mut velocity = V3::load(simd, &block.momentum).times(load(simd, &block.inverse_inertia[0]));
     let mut after = turned(simd, rotation, velocity, h);
-    if block.has_uneven {
+    if block.uneven != 0 {
         let uneven = is_uneven(simd, block);
         let (turned, spin) = split(simd, block, h);
         velocity = choose(uneven, spin, velocity);

@@ -4,7 +4,7 @@ use super::{
     ContactBlock, DiskLanes, Masses, ONE_FOR_ALL, POINTS, RowLanes, ScaleLanes, Size, TangentLanes, many, pair, row_of,
     unit_tangents,
 };
-use crate::solver::wide::lanes::{Lane, Record, Symmetric, V3, inverse, load, splat, store};
+use crate::solver::wide::lanes::{Record, Symmetric, V3, inverse, load, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
@@ -50,13 +50,12 @@ pub fn prepare<S: Simd>(
     tangents: Option<&mut TangentLanes>,
     scale: &ScaleLanes,
     roots: &[Record],
-    counts: &Lane,
 ) {
     match tangents {
         Some(lanes) => {
-            by_size!(block.size, N => prepare_points::<S, N>(simd, block, Some(lanes), scale, roots, counts))
+            by_size!(block.size, N => prepare_points::<S, N>(simd, block, Some(lanes), scale, roots))
         }
-        None => by_size!(block.size, N => prepare_points::<S, N>(simd, block, None, scale, roots, counts)),
+        None => by_size!(block.size, N => prepare_points::<S, N>(simd, block, None, scale, roots)),
     }
 }
 
@@ -67,18 +66,16 @@ fn prepare_points<S: Simd, const N: usize>(
     mut tangents: Option<&mut TangentLanes>,
     scale: &ScaleLanes,
     roots: &[Record],
-    counts: &Lane,
 ) {
     let n = V3::load(simd, &block.normal);
     let t = unit_tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
     let roots = [Symmetric::gather(simd, roots, &block.body_a), Symmetric::gather(simd, roots, &block.body_b)];
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
-    let counts = load(simd, counts);
     let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
     for i in 0..many::<N>(block.size) {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
-        let exists = counts.simd_gt(splat(simd, i as f32));
+        let exists = load(simd, &p.effective_mass).simd_gt(zero);
         let kept = exists.select(splat(simd, 1.0), zero);
         let (arm_a, arm_b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         let s = load(simd, &p.separation);
@@ -94,10 +91,6 @@ fn prepare_points<S: Simd, const N: usize>(
         let (arm_a, arm_b) = (arm_a.minus(shift), arm_b.plus(shift));
         let arms = Arms { a: arm_a, b: arm_b, kept };
 
-        let impulse =
-            V3 { x: load(simd, &disk.inverse[0]), y: load(simd, &disk.inverse[1]), z: load(simd, &disk.inverse[2]) };
-        store(impulse.dot(t[0]), &mut disk.lambda[0]);
-        store(impulse.dot(t[1]), &mut disk.lambda[1]);
         let (normal, tangent);
         match tangents.as_deref_mut() {
             Some(lanes) => {
@@ -209,7 +202,7 @@ impl<S: Simd> Reweighing<S> {
     }
 }
 
-/// The inverse of the 2 × 2 system of a disk, and the step that does not overshoot, as `reference.rs` has them.
+/// The inverse of the 2 × 2 system of a disk, as `reference.rs` has it.
 #[inline(always)]
 fn prepare_disk<S: Simd>(simd: S, disk: &mut DiskLanes, rows: &[RowLanes<S>; 2], m: &Masses<S>, exists: f32x8<S>) {
     let (k1, k2) = (rows[0].inner(&rows[0], m), rows[1].inner(&rows[1], m));
@@ -218,11 +211,14 @@ fn prepare_disk<S: Simd>(simd: S, disk: &mut DiskLanes, rows: &[RowLanes<S>; 2],
     let determinant = splat(simd, 1.0) - c * c * m1 * m2;
     let well = determinant.simd_gt(splat(simd, 1e-3));
     let share = well.select(inverse(simd, determinant), splat(simd, 1.0));
-    store(m1 * share, &mut disk.inverse[0]);
-    store(well.select(-(c * m1 * m2 * share), splat(simd, 0.0)), &mut disk.inverse[1]);
-    store(-(c * m1 * m2 * share), &mut disk.inverse[2]);
-    store(m2 * share, &mut disk.inverse[3]);
-    let half = splat(simd, 0.5) * (k1 - k2);
-    let greatest = splat(simd, 0.5) * (k1 + k2) + (half * half + c * c).sqrt();
-    store(exists * inverse(simd, greatest), &mut disk.step);
+    let (mut i11, mut i22, mut i12) = (m1 * share, m2 * share, -(c * m1 * m2 * share));
+    if !well.all_true() {
+        let half = splat(simd, 0.5) * (k1 - k2);
+        let greatest = splat(simd, 0.5) * (k1 + k2) + (half * half + c * c).sqrt();
+        let step = exists * inverse(simd, greatest);
+        (i11, i22, i12) = (well.select(i11, step), well.select(i22, step), well.select(i12, splat(simd, 0.0)));
+    }
+    store(i11, &mut disk.inverse[0]);
+    store(i12, &mut disk.inverse[1]);
+    store(i22, &mut disk.inverse[2]);
 }

@@ -93,15 +93,14 @@ fn solve_normals<S: Simd, const N: usize>(
 /// Sticks if the disk holds it, else slides: `reference.rs`, `solve_disk`. The changes of λ.
 #[inline(always)]
 fn solve_disk<S: Simd>(simd: S, disk: &mut DiskLanes, w: [f32x8<S>; 2], reach: f32x8<S>) -> [f32x8<S>; 2] {
-    let (i11, i12) = (load(simd, &disk.inverse[0]), load(simd, &disk.inverse[1]));
-    let (i21, i22) = (load(simd, &disk.inverse[2]), load(simd, &disk.inverse[3]));
+    let [i11, i12, i22] = [load(simd, &disk.inverse[0]), load(simd, &disk.inverse[1]), load(simd, &disk.inverse[2])];
     let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
-    let stick = [old[0] - (i11 * w[0] + i12 * w[1]), old[1] - (i21 * w[0] + i22 * w[1])];
+    let stick = [old[0] - (i11 * w[0] + i12 * w[1]), old[1] - (i12 * w[0] + i22 * w[1])];
     let slips = (stick[0] * stick[0] + stick[1] * stick[1]).simd_gt(reach * reach);
     let mut new = stick;
     // A root and a quotient take as long as all else here, and most of what touches sticks.
     if slips.any_true() {
-        let step = load(simd, &disk.step);
+        let step = scalar_step(simd, disk);
         let slide = [old[0] - step * w[0], old[1] - step * w[1]];
         let length = (slide[0] * slide[0] + slide[1] * slide[1]).sqrt();
         let outside = length.simd_gt(reach);
@@ -115,6 +114,15 @@ fn solve_disk<S: Simd>(simd: S, disk: &mut DiskLanes, w: [f32x8<S>; 2], reach: f
     store(new[0], &mut disk.lambda[0]);
     store(new[1], &mut disk.lambda[1]);
     [new[0] - old[0], new[1] - old[1]]
+}
+
+/// The least eigenvalue of the inverse: the longest step that overshoots in no direction.
+#[inline(always)]
+fn scalar_step<S: Simd>(simd: S, disk: &DiskLanes) -> f32x8<S> {
+    let [i11, i12, i22] = [load(simd, &disk.inverse[0]), load(simd, &disk.inverse[1]), load(simd, &disk.inverse[2])];
+    let half = splat(simd, 0.5);
+    let difference = half * (i11 - i22);
+    half * (i11 + i22) - (difference * difference + i12 * i12).sqrt()
 }
 
 /// How far a block is from rest: what visits to each row alone would do.
@@ -159,7 +167,7 @@ fn inspect_points<S: Simd, const N: usize>(
         let change = positive(simd, lambda - w * load(simd, &p.effective_mass)) - lambda;
         let reach = mu * positive(simd, lambda);
         let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
-        let step = load(simd, &disk.step);
+        let step = scalar_step(simd, disk);
         let v = point_velocity(simd, block, tangents, i, t, relative, &sides);
         let wanted = [old[0] - step * v[0], old[1] - step * v[1]];
         let square = wanted[0] * wanted[0] + wanted[1] * wanted[1];
