@@ -7,6 +7,7 @@ use crate::collision::pairs::Moves;
 use crate::collision::proxy::Proxies;
 use crate::collision::update::Part;
 use crate::hooks::StepContext;
+use crate::island::stillness::Stillness;
 use crate::island::{aggressive_sleep, sleep};
 use crate::math::Vec3;
 use crate::report::{Stage, StepReport};
@@ -46,6 +47,7 @@ pub(crate) struct Scratch {
     pub restless_islands: Vec<bool>,
     pub heights: Vec<u32>,
     pub height: height::Scratch,
+    pub stillness: Stillness,
     /// Away for the length of a step.
     pub plan: Option<Box<Plan>>,
 }
@@ -92,6 +94,9 @@ impl World {
 
     /// Advances by `dt` seconds with a clock for stage timings and a say in contacts.
     pub fn step_with(&mut self, dt: f32, context: &mut StepContext<'_>) -> StepReport {
+        if self.is_still() && is_step(dt) {
+            return self.stay(dt);
+        }
         if !self.is_few() {
             let _awake = self.workers.wake();
             return self.take_stages(dt, context);
@@ -127,6 +132,7 @@ impl World {
             watch.lap(Stage::FinishMotion);
             self.put_to_rest(dt);
             self.complete_report(&plan);
+            self.notice_stillness();
             watch.lap(Stage::PutToRest);
         }
         // ANCHOR_END: stages
@@ -144,7 +150,8 @@ impl World {
         self.scratch.joint_errors = JointErrors::default();
         clear_burst(&mut self.events);
         self.events.append(&mut self.pending_events);
-        if !(SHORTEST_STEP..=LONGEST_STEP).contains(&dt) {
+        if !is_step(dt) {
+            self.disturb();
             self.report.rejected =
                 Some(format!("the step must be in [{SHORTEST_STEP:e}, {LONGEST_STEP:e}] s, is {dt:e}"));
             return false;
@@ -189,6 +196,10 @@ impl World {
             self.bodies.at_mut(slot).reach_target();
         }
         self.hold_bounds();
+        self.pass_time(dt);
+    }
+
+    pub(crate) fn pass_time(&mut self, dt: f32) {
         self.time += f64::from(dt);
         self.step_count = self.step_count.saturating_add(1);
     }
@@ -220,6 +231,10 @@ impl World {
         self.break_joints();
         self.notice_forces(dt);
     }
+}
+
+fn is_step(dt: f32) -> bool {
+    (SHORTEST_STEP..=LONGEST_STEP).contains(&dt)
 }
 
 /// Slots of the bodies that their users move.

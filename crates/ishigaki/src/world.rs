@@ -186,6 +186,7 @@ impl World {
             self.random = Random(options.seed);
         }
         self.options = options;
+        self.disturb();
         for (_, body) in self.bodies.iter_mut() {
             body.wake();
         }
@@ -219,6 +220,7 @@ impl World {
     }
 
     fn insert_body(&mut self, state: BodyState, shapes: Vec<Shape>) -> BodyHandle {
+        self.disturb();
         let handle = BodyHandle::from(self.bodies.insert(state));
         let index = handle.index;
         for (ordinal, shape) in shapes.into_iter().enumerate() {
@@ -237,6 +239,7 @@ impl World {
         if self.bodies.get(handle.into()).is_none() {
             return false;
         }
+        self.disturb();
         let index = handle.index;
         let mut ended = Vec::new();
         for contact in self.contacts.iter().filter(|c| c.touching && (c.body_a == index || c.body_b == index)) {
@@ -288,6 +291,7 @@ impl World {
 
     /// A body to be edited, unless the handle is stale. Its island wakes.
     pub fn body_mut(&mut self, handle: BodyHandle) -> Option<BodyMut<'_>> {
+        self.disturb();
         let body = self.bodies.get_mut(handle.into())?;
         body.wake();
         body.edited = true;
@@ -356,6 +360,7 @@ impl World {
         if a == b {
             return Err(Error::invalid("body_b", "must differ from body_a: it is no pair"));
         }
+        self.disturb();
         for (place, handle) in [("body_a", a), ("body_b", b)] {
             self.bodies.get_mut(handle.into()).ok_or_else(|| Error::Stale { place: place.into() })?.wake();
         }
@@ -425,6 +430,7 @@ impl World {
     /// Removes a joint; wakes both bodies. `false` if the handle is stale.
     pub fn remove_joint(&mut self, handle: JointHandle) -> bool {
         let Some(joint) = self.joints.remove(handle.into()) else { return false };
+        self.disturb();
         self.scratch.joint_links.clear();
         for body in [joint.definition.body_a, joint.definition.body_b] {
             if let Some(body) = self.bodies.get_mut(body.into()) {
@@ -508,6 +514,7 @@ impl World {
     /// Reports contacts of a body that carry more than `force` (N) as [`Event::ContactForce`]; `None` for none.
     /// `false` if the handle is stale or the force is not a number.
     pub fn set_force_threshold(&mut self, handle: BodyHandle, force: Option<f32>) -> bool {
+        self.disturb();
         match self.bodies.get_mut(handle.into()) {
             Some(body) if !force.is_some_and(f32::is_nan) => {
                 body.force_threshold = force;

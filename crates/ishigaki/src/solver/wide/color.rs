@@ -71,10 +71,8 @@ impl Batch {
     /// nothing fills are emptied.
     fn make_blocks(&mut self, colors: usize) {
         let (mut first, mut manifolds, mut tangents) = (0, 0, 0);
-        // As much room as they take, not twice that.
         let counts = self.domains.iter().flat_map(|domain| domain.counts_of.as_flattened());
-        let blocks = counts.map(|count| count.div_ceil(LANES as u32) as usize).sum::<usize>();
-        self.blocks.reserve_exact(blocks.saturating_sub(self.blocks.len()));
+        self.make_room(counts.map(|count| count.div_ceil(LANES as u32) as usize).sum());
         for domain in &mut self.domains {
             domain.counts_of.resize(colors, [0; KINDS]);
             domain.colors.clear();
@@ -113,6 +111,17 @@ impl Batch {
         self.unrest.resize(first, [0.0; LANES]);
         self.manifolds.clear();
         self.manifolds.resize(manifolds, 0);
+    }
+
+    /// Room for so many blocks: at first as much as they take, not twice that; later some more, since heaps grow step after
+    /// step. What the old ones hold is not copied: all is written over.
+    fn make_room(&mut self, blocks: usize) {
+        let room = self.blocks.capacity();
+        if blocks > room {
+            let more = if room > 0 { blocks / 8 } else { 0 };
+            self.blocks = Vec::new();
+            self.blocks.reserve_exact(blocks + more);
+        }
     }
 
     /// Where manifolds are among the blocks; the list of those of each domain.
