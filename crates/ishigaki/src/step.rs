@@ -36,6 +36,8 @@ pub(crate) struct Scratch {
     pub proxies: Proxies,
     pub narrow: Vec<Part>,
     pub links: Vec<Link>,
+    /// A body slept when links were made, and does no longer.
+    pub has_woken: bool,
     /// Empty until a step asks for them.
     pub joint_links: Vec<JointLink>,
     pub joint_errors: JointErrors,

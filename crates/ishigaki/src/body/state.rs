@@ -241,12 +241,14 @@ impl BodyState {
         self.rest_steps = 0;
     }
 
-    /// It gained or lost a contact: its pairs thaw; if it slept, it wakes.
-    pub(crate) fn feel_change(&mut self) {
+    /// It gained or lost a contact: its pairs thaw; if it slept, it wakes. Whether it slept.
+    pub(crate) fn feel_change(&mut self) -> bool {
         self.rest_steps = 0;
-        if self.asleep {
+        let slept = self.asleep;
+        if slept {
             self.wake();
         }
+        slept
     }
 
     pub(crate) fn put_to_sleep(&mut self) {

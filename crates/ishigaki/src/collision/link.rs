@@ -20,12 +20,16 @@ pub(crate) struct Link {
     pub unites: bool,
     /// Its surfaces touch: one body may stand on the other.
     pub bears: bool,
+    /// Neither body stirs, and no impulse of a step before is left: nothing changes it but waking.
+    pub sleeps: bool,
     /// Rolling or torsional friction, a bounce or a moving surface: rows that only the reference has.
     pub asks_much: bool,
     /// Its batch in the wide path, or [`Link::NONE`].
     pub batch: u32,
     /// The place of its first manifold there.
     pub place: u32,
+    /// Greatest overlap, m, if it sleeps.
+    pub depth: f32,
 }
 
 /// What links are judged by.
@@ -74,16 +78,19 @@ impl Link {
 
     pub fn new(contact: &Contact, a: &BodyState, b: &BodyState, judge: &Judge) -> Self {
         let meets = !contact.sensor && !contact.manifolds.is_empty();
-        let reaches = |depth| contact.manifolds.iter().flat_map(|m| &m.points).any(|p| p.separation <= depth);
+        let points = || contact.manifolds.iter().flat_map(|m| &m.points);
+        let sleeps = !(a.is_stirring() || b.is_stirring()) && points().all(|p| p.impulse == 0.0);
         Self {
             bodies: [contact.body_a, contact.body_b],
             manifolds: contact.manifolds.len() as u32,
             meets,
             unites: meets && (contact.touching || judge.closes(contact, a, b)),
-            bears: meets && contact.touching && reaches(judge.slop),
+            bears: meets && contact.touching && points().any(|p| p.separation <= judge.slop),
+            sleeps,
             asks_much: contact.extras.as_ref().is_some_and(|extras| judge.asks_much(extras)),
             batch: Self::NONE,
             place: 0,
+            depth: if sleeps { points().map(|p| -p.separation).fold(0.0, f32::max) } else { 0.0 },
         }
     }
 }

@@ -56,6 +56,7 @@ impl World {
         }
         let mut new_contacts = Vec::new();
         self.scratch.links.clear();
+        self.scratch.has_woken = false;
         for part in parts {
             append(&mut new_contacts, &mut part.new_contacts);
             append(&mut self.scratch.links, &mut part.links);
@@ -74,7 +75,7 @@ impl World {
         for touch in touches.drain(..) {
             if !touch.sensor {
                 for body in touch.bodies {
-                    self.bodies.at_mut(body).feel_change();
+                    self.scratch.has_woken |= self.bodies.at_mut(body).feel_change();
                 }
             }
             let event = self.touch_event(touch.shapes.0, touch.shapes.1, touch.sensor, touch.began);

@@ -18,7 +18,8 @@ impl World {
         let mut parents = std::mem::take(&mut self.scratch.parents);
         parents.clear();
         parents.extend(0..slots as u32);
-        if self.unite(&mut parents) {
+        if self.unite(&mut parents) || self.scratch.has_woken {
+            self.unite_sleepers(&mut parents);
             self.wake_islands(&mut parents);
         }
         self.number_islands(&mut parents);
@@ -27,10 +28,10 @@ impl World {
         self.tell_bodies();
     }
 
-    /// Whether any that are awake are now with some that sleep.
+    /// Whether any that are awake are now with some that sleep. Which sleepers are together is asked only then.
     fn unite(&mut self, parents: &mut [u32]) -> bool {
         let mut is_mixed = false;
-        for link in self.scratch.links.iter().filter(|link| link.unites) {
+        for link in self.scratch.links.iter().filter(|link| link.unites && !link.sleeps) {
             is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
         if self.scratch.joint_links.len() != self.joints.len() {
@@ -40,6 +41,15 @@ impl World {
             is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
         is_mixed
+    }
+
+    fn unite_sleepers(&mut self, parents: &mut [u32]) {
+        for link in self.scratch.links.iter_mut().filter(|link| link.sleeps) {
+            link.sleeps = false;
+            if link.unites {
+                unite_ends(&mut self.bodies, parents, link.bodies);
+            }
+        }
     }
 
     fn wake_islands(&mut self, parents: &mut [u32]) {
@@ -81,10 +91,11 @@ impl World {
         self.report.islands = islands as usize;
     }
 
+    /// Of all bodies but those that sleep: they keep theirs.
     fn measure_heights(&mut self) {
         let Scratch { links, joint_links, roles, height, heights, .. } = &mut self.scratch;
         let joints = if self.options.solver.height.through_joints { &joint_links[..] } else { &[] };
-        let supports = links.iter().filter(|link| link.bears).map(|link| link.bodies);
+        let supports = links.iter().filter(|link| link.bears && !link.sleeps).map(|link| link.bodies);
         let supports = supports.chain(joints.iter().map(|link| link.bodies));
         heights.clear();
         heights.resize(roles.len(), NO_HEIGHT);
@@ -94,8 +105,10 @@ impl World {
     /// Tells bodies their height and their island.
     fn tell_bodies(&mut self) {
         for (index, body) in self.bodies.iter_mut() {
-            body.height = self.scratch.heights[index as usize];
             let role = &self.scratch.roles[index as usize];
+            if !body.asleep {
+                body.height = self.scratch.heights[index as usize];
+            }
             if role.active {
                 body.island = role.island;
             }

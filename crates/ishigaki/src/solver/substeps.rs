@@ -30,8 +30,8 @@ impl World {
     pub(crate) fn solve(&mut self, plan: &mut Plan, dt: f32) {
         let substeps = plan.substeps;
         let h = dt / substeps as f32;
-        // Those of the wide path are written by it.
-        let narrow = |(_, link): &(&mut Contact, &Link)| link.batch == Link::NONE;
+        // Those of the wide path are written by it; those that sleep have none.
+        let narrow = |(_, link): &(&mut Contact, &Link)| link.batch == Link::NONE && !link.sleeps;
         for (contact, _) in self.contacts.iter_mut().zip(&self.scratch.links).filter(narrow) {
             for point in contact.manifolds.iter_mut().flat_map(|m| &mut m.points) {
                 point.impulse = 0.0;

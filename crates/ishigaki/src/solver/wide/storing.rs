@@ -65,6 +65,10 @@ impl ContactSums {
             return;
         }
         self.contacts += 1;
+        if link.sleeps {
+            self.max_penetration = self.max_penetration.max(link.depth);
+            return;
+        }
         let mut is_hit = false;
         for point in contact.manifolds.iter().flat_map(|m| &m.points) {
             self.max_penetration = self.max_penetration.max(-point.separation);
