@@ -175,6 +175,12 @@ impl<T: Send> Cut for Slots<'_, T> {
 impl<'a, T> Slots<'a, T> {
     /// The objects and their slots.
     pub fn objects(self) -> impl Iterator<Item = (u32, &'a mut T)> {
-        (self.first..).zip(self.slots).filter_map(|(index, slot)| slot.value.as_mut().map(|value| (index, value)))
+        self.objects_where(|_| true)
+    }
+
+    /// Those in slots that are chosen: the others are not looked at.
+    pub fn objects_where(self, is_chosen: impl Fn(u32) -> bool) -> impl Iterator<Item = (u32, &'a mut T)> {
+        let chosen = (self.first..).zip(self.slots).filter(move |&(index, _)| is_chosen(index));
+        chosen.filter_map(|(index, slot)| slot.value.as_mut().map(|value| (index, value)))
     }
 }

@@ -29,8 +29,10 @@ impl World {
         let gravity = self.options.gravity;
         let mut sums = self.options.report.energy.then(EnergySums::default);
         for (index, body) in self.bodies.iter() {
-            let is_finite = body.is_finite();
-            if body.asleep && !body.broken {
+            // What sleeps was finite when it fell asleep.
+            let sleeps = body.asleep && !body.broken;
+            let is_finite = sleeps || body.is_finite();
+            if sleeps {
                 report.asleep += 1;
             } else if body.broken || !is_finite {
                 report.non_finite.push(self.body_handle(index));
@@ -101,9 +103,12 @@ struct EnergySums {
 impl EnergySums {
     fn add(&mut self, body: &BodyState, gravity: Vec3) {
         let add = |sum: &mut [f64; 3], v: Vec3| sum.iter_mut().zip(v.to_array()).for_each(|(s, x)| *s += f64::from(x));
+        self.potential -= f64::from(body.mass.mass * body.gravity_scale) * f64::from(gravity.dot(body.center));
+        if body.asleep {
+            return;
+        }
         let p = body.mass.mass * body.velocity;
         self.kinetic += f64::from(body.kinetic_energy());
-        self.potential -= f64::from(body.mass.mass * body.gravity_scale) * f64::from(gravity.dot(body.center));
         add(&mut self.momentum, p);
         add(&mut self.angular, body.angular_momentum + body.center.cross(p));
     }

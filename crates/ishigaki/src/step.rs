@@ -162,11 +162,11 @@ impl World {
         let (max_speed, max_angular_speed) = self.speed_limits();
         let mut hears_forces = false;
         for (_, body) in self.bodies.iter_mut() {
-            body.previous_pose = body.pose();
             hears_forces |= body.force_threshold.is_some();
             if body.asleep && sleeps && !body.edited {
                 continue;
             }
+            body.previous_pose = body.pose();
             body.broken = !(body.is_finite() && body.force.is_finite() && body.torque.is_finite());
             body.limit_speeds(max_speed, max_angular_speed);
             body.limit_forces(max_speed / dt, max_angular_speed / dt);
@@ -212,7 +212,8 @@ impl World {
         let restless = &mut self.scratch.restless_islands;
         restless.clear();
         restless.resize(self.report.islands, false);
-        for (_, body) in self.bodies.iter_mut() {
+        let roles = &self.scratch.roles;
+        for (_, body) in self.bodies.all().objects_where(|slot| !roles[slot as usize].sleeps()) {
             if body.edited {
                 body.edited = false;
             }

@@ -19,6 +19,8 @@ pub(crate) struct Role {
     pub moving_ground: bool,
     /// It takes no part: its numbers are not finite.
     pub broken: bool,
+    /// Its user changed it since the last step.
+    pub edited: bool,
     /// It has a mass and may move and turn along all axes.
     pub free: bool,
 }
@@ -33,8 +35,19 @@ impl Role {
         kinematic: false,
         moving_ground: false,
         broken: false,
+        edited: false,
         free: false,
     };
+
+    /// The solver moves it, or its user.
+    pub fn may_move(&self) -> bool {
+        self.active || self.kinematic
+    }
+
+    /// It sleeps, and nobody touched it: steps leave all of it as it is.
+    pub fn sleeps(&self) -> bool {
+        !(self.active || self.ground || self.broken || self.edited)
+    }
 
     /// Before it has an island.
     pub fn of(body: &BodyState) -> Self {
@@ -46,6 +59,7 @@ impl Role {
             kinematic: body.kind == BodyKind::Kinematic,
             moving_ground: body.is_moving_kinematic(),
             broken: body.broken,
+            edited: body.edited,
             free: !body.locked_translation.contains(&true) && !body.has_locked_rotation() && body.inverse_mass > 0.0,
         }
     }

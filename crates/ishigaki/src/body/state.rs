@@ -253,6 +253,7 @@ impl BodyState {
 
     pub(crate) fn put_to_sleep(&mut self) {
         self.asleep = true;
+        self.previous_pose = self.pose();
         self.velocity = Vec3::ZERO;
         self.angular_velocity = Vec3::ZERO;
         self.angular_momentum = Vec3::ZERO;

@@ -8,6 +8,7 @@ use crate::collision::continuous::start_center;
 use crate::collision::pair::{Pair, clear_burst, insert_pairs};
 use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
 use crate::math::Vec3;
+use crate::step::Scratch;
 use crate::world::World;
 
 /// Bounds reach as far as a shape gets in so many steps at its speed: fewer shapes are put into the tree anew, but more
@@ -49,11 +50,13 @@ impl World {
 
     /// After the motion: bounds that a shape left unforeseen grow to hold it, so that queries find it where it is.
     pub(crate) fn hold_bounds(&mut self) {
-        let (parts, bodies, proxies) = (&mut self.scratch.moves, &self.bodies, &self.scratch.proxies);
+        let Scratch { moves: parts, proxies, roles, .. } = &mut self.scratch;
+        let (bodies, proxies) = (&self.bodies, &*proxies);
+        let may_move = |slot: u32| roles[proxies.motions[slot as usize].body as usize].may_move();
         parts.resize_with(self.workers.parts(self.shapes.slot_count()), Moves::default);
         self.workers.in_parts(self.shapes.all(), parts, |shapes, moves| {
             moves.moved.clear();
-            for (slot, shape) in shapes.objects() {
+            for (slot, shape) in shapes.objects_where(may_move) {
                 let body = bodies.at(shape.body);
                 let rests = body.kind == BodyKind::Fixed || body.asleep || body.broken;
                 if rests || stays_inside(shape, body, &proxies.shapes[slot as usize]) {

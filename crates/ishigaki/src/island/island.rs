@@ -104,8 +104,9 @@ impl World {
 
     /// Tells bodies their height and their island.
     fn tell_bodies(&mut self) {
-        for (index, body) in self.bodies.iter_mut() {
-            let role = &self.scratch.roles[index as usize];
+        let roles = &self.scratch.roles;
+        for (index, body) in self.bodies.all().objects_where(|slot| !roles[slot as usize].sleeps()) {
+            let role = &roles[index as usize];
             if !body.asleep {
                 body.height = self.scratch.heights[index as usize];
             }

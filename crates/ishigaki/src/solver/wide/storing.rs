@@ -35,10 +35,10 @@ impl World {
         if wide.used > 0 {
             let mut no_outputs = vec![(); self.workers.parts(self.bodies.slot_count())];
             self.workers.in_parts(self.bodies.all(), &mut no_outputs, |bodies, ()| {
-                for (slot, body) in bodies.objects() {
-                    let (batch, record) = (wide.batch_of[slot as usize], wide.index_of[slot as usize]);
-                    if let Some(batch) = batches.get(batch as usize) {
-                        batch.movers.store(record, body);
+                let batch_of = |slot: u32| batches.get(wide.batch_of[slot as usize] as usize);
+                for (slot, body) in bodies.objects_where(|slot| batch_of(slot).is_some()) {
+                    if let Some(batch) = batch_of(slot) {
+                        batch.movers.store(wide.index_of[slot as usize], body);
                     }
                 }
             });
