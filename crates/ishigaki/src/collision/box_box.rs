@@ -47,7 +47,7 @@ pub(crate) fn box_box(
             let greatest = edges.map_or(greatest, |edges| edges.separation.max(greatest));
             let all_edges = || test.edges(last, f32::NEG_INFINITY).0;
             let pair = BoxPair { test: &test, b_in_a, tolerance: &tolerance };
-            push_contact(&pair, (&axis, greatest), all_edges, ((0, 0), &tolerance), out);
+            push_contact(&pair, (&axis, greatest), all_edges, (0, &tolerance), out);
         }
         None => {
             let apart = faces.iter().max_by(|p, q| p.separation.total_cmp(&q.separation));
@@ -86,7 +86,7 @@ impl Points for BoxPair<'_> {
         // Hardly ever needed: as for any polyhedra.
         let (a, b) = (BoxPolyhedron::new(self.test.half_a), BoxPolyhedron::new(self.test.half_b));
         let tolerance = *self.tolerance;
-        Pair { a: a.view(), b: b.view(), b_in_a: self.b_in_a, part: (0, 0), tolerance }.deepest(axis)
+        Pair { a: a.view(), b: b.view(), b_in_a: self.b_in_a, part: 0, tolerance }.deepest(axis)
     }
 }
 

@@ -379,7 +379,7 @@ pub(crate) fn curved_pair(
     let pair = CurvedPair { a, b: Solid::Curved(*b), b_in_a, tolerance };
     let Some(found) = b.with_parry(|shape_b| pair.find_axis(shape_a, shape_b, hint)) else { return };
     let (normal, mut points) = pair.points(&found);
-    push_manifold(normal, (0, 0), &mut points, tolerance.clip, out);
+    push_manifold(normal, 0, &mut points, tolerance.clip, out);
 }
 
 /// The manifold of two cylinders or cones.
@@ -406,7 +406,7 @@ pub(crate) fn curved_capsule(
     let capsule = Capsule::new_y(half_length, radius);
     let Some(found) = a.with_parry(|shape_a| pair.find(shape_a, &capsule)) else { return };
     let (normal, mut points) = pair.points(&found);
-    push_manifold(normal, (0, 0), &mut points, tolerance.clip, out);
+    push_manifold(normal, 0, &mut points, tolerance.clip, out);
 }
 
 /// The manifold of a triangle of a surface and a cylinder or cone.
@@ -435,7 +435,7 @@ pub(crate) fn curved_triangle(
         }
     };
     triangle.drop_inner_points(&mut points);
-    push_manifold(normal, (triangle.index, 0), &mut points, tolerance.clip, out);
+    push_manifold(normal, triangle.index, &mut points, tolerance.clip, out);
 }
 
 /// A point on a cylinder or cone nearest to `point`: (point on it, outward normal, distance, negative inside).

@@ -45,7 +45,7 @@ pub(crate) fn half_space(
         _ => {}
     }
     // B's surface normal points into the half-space.
-    push_manifold(-normal, (0, 0), &mut floor.points, 1e-4 * length_scale, out);
+    push_manifold(-normal, 0, &mut floor.points, 1e-4 * length_scale, out);
 }
 
 struct Floor<'a> {

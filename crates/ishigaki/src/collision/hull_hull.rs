@@ -39,7 +39,7 @@ pub(crate) fn hull_hull(
     out: &mut LocalManifolds,
 ) {
     let tolerance = Tolerance::new(margin, length_scale, a.inner_radius.min(b.inner_radius));
-    let pair = Pair { a, b, b_in_a, part: (0, 0), tolerance };
+    let pair = Pair { a, b, b_in_a, part: 0, tolerance };
     let last = Source::from_hint(memory.axis).map(|(source, _)| source);
     let test = HullTest::new(&pair, last);
     if let Known::Axis(bounds, moved) = known

@@ -14,22 +14,28 @@ pub(crate) struct Link {
     pub bodies: [u32; 2],
     /// How many manifolds it has.
     pub manifolds: u32,
-    /// It has rows: it is no sensor.
-    pub meets: bool,
-    /// Its bodies may touch in this step: they are of one island.
-    pub unites: bool,
-    /// Its surfaces touch: one body may stand on the other.
-    pub bears: bool,
+    nearness: Nearness,
     /// Neither body stirs, and no impulse of a step before is left: nothing changes it but waking.
     pub sleeps: bool,
     /// Rolling or torsional friction, a bounce or a moving surface: rows that only the reference has.
     pub asks_much: bool,
     /// Its batch in the wide path, or [`Link::NONE`].
     pub batch: u32,
-    /// The place of its first manifold there.
+    /// The place of its first manifold there; of one that sleeps the bits of its depth.
     pub place: u32,
-    /// Greatest overlap, m, if it sleeps.
-    pub depth: f32,
+}
+
+/// How near its surfaces are: each implies those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Nearness {
+    /// A sensor's.
+    NoMatter,
+    /// It has rows.
+    Meets,
+    /// Its bodies may touch in this step: they are of one island.
+    Unites,
+    /// Its surfaces touch: one body may stand on the other.
+    Bears,
 }
 
 /// What links are judged by.
@@ -77,20 +83,46 @@ impl Link {
     pub const NONE: u32 = u32::MAX;
 
     pub fn new(contact: &Contact, a: &BodyState, b: &BodyState, judge: &Judge) -> Self {
-        let meets = !contact.sensor && !contact.manifolds.is_empty();
         let points = || contact.manifolds.iter().flat_map(|m| &m.points);
         let sleeps = !(a.is_stirring() || b.is_stirring()) && points().all(|p| p.impulse == 0.0);
+        let nearness = if contact.sensor || contact.manifolds.is_empty() {
+            Nearness::NoMatter
+        } else if contact.touching && points().any(|p| p.separation <= judge.slop) {
+            Nearness::Bears
+        } else if contact.touching || judge.closes(contact, a, b) {
+            Nearness::Unites
+        } else {
+            Nearness::Meets
+        };
+        let depth = if sleeps { points().map(|p| -p.separation).fold(0.0, f32::max) } else { 0.0 };
         Self {
             bodies: [contact.body_a, contact.body_b],
             manifolds: contact.manifolds.len() as u32,
-            meets,
-            unites: meets && (contact.touching || judge.closes(contact, a, b)),
-            bears: meets && contact.touching && points().any(|p| p.separation <= judge.slop),
+            nearness,
             sleeps,
             asks_much: contact.extras.as_ref().is_some_and(|extras| judge.asks_much(extras)),
             batch: Self::NONE,
-            place: 0,
-            depth: if sleeps { points().map(|p| -p.separation).fold(0.0, f32::max) } else { 0.0 },
+            place: depth.to_bits(),
         }
+    }
+
+    /// It has rows: it is no sensor.
+    pub fn meets(&self) -> bool {
+        self.nearness >= Nearness::Meets
+    }
+
+    /// Its bodies may touch in this step: they are of one island.
+    pub fn unites(&self) -> bool {
+        self.nearness >= Nearness::Unites
+    }
+
+    /// Its surfaces touch: one body may stand on the other.
+    pub fn bears(&self) -> bool {
+        self.nearness == Nearness::Bears
+    }
+
+    /// Greatest overlap, m, if it sleeps.
+    pub fn depth(&self) -> f32 {
+        if self.sleeps { f32::from_bits(self.place) } else { 0.0 }
     }
 }

@@ -29,14 +29,14 @@ pub struct LocalManifold {
     pub normal: Vec3,
     /// At most [`MAX_POINTS`], reduced for support area; never two with the same id.
     pub points: ArrayVec<LocalPoint, MAX_POINTS>,
-    /// Which part of A and of B (triangle of a mesh, cell of a height field); 0 for convex shapes.
-    pub part: (u32, u32),
+    /// Which triangle of the one that is a mesh or a height field; 0 for convex shapes.
+    pub part: u32,
 }
 
 impl LocalManifold {
     /// Without points.
     pub fn empty() -> Self {
-        Self { normal: Vec3::Y, points: ArrayVec::new(), part: (0, 0) }
+        Self { normal: Vec3::Y, points: ArrayVec::new(), part: 0 }
     }
 }
 
@@ -67,8 +67,8 @@ pub struct Manifold {
     pub normal: Vec3,
     /// At most [`MAX_POINTS`].
     pub points: ArrayVec<ContactPoint, MAX_POINTS>,
-    /// Which part of A and of B.
-    pub part: (u32, u32),
+    /// Which triangle of the one that is a mesh or a height field; 0 for convex shapes.
+    pub part: u32,
     /// Torsional impulse about the normal on A, N·m·s: the warm start.
     pub lambda_torsion: f32,
     /// Rolling impulses on A about the tangents of the normal, N·m·s: the warm start.

@@ -78,7 +78,7 @@ fn ball(triangle: &SurfaceTriangle, radius: f32, center: Vec3, margin: f32, out:
         None if triangle.verdict(nearest.normal, center) == Verdict::Allowed => {}
         None => return,
     }
-    push_ball_of_part(nearest, radius, center, margin, (triangle.index, 0), out);
+    push_ball_of_part(nearest, radius, center, margin, triangle.index, out);
 }
 
 fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tolerance, out: &mut LocalManifolds) {
@@ -112,7 +112,7 @@ fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tole
     let over_face_only = gap.feature.as_face().is_some();
     let mut points = capsule_points(&solid, capsule, &gap, tolerance, !over_face_only);
     triangle.drop_inner_points(&mut points);
-    push_manifold(-gap.direction, (triangle.index, 0), &mut points, tolerance.clip, out);
+    push_manifold(-gap.direction, triangle.index, &mut points, tolerance.clip, out);
 }
 
 fn polyhedron(
@@ -126,7 +126,7 @@ fn polyhedron(
         return;
     }
     let Some(chosen) = contact_axis(triangle, solid, pose, &tolerance) else { return };
-    let pair = Pair { a: triangle.solid.view(), b: *solid, b_in_a: pose, part: (triangle.index, 0), tolerance };
+    let pair = Pair { a: triangle.solid.view(), b: *solid, b_in_a: pose, part: triangle.index, tolerance };
     let mut points = Candidates::new();
     match chosen.source {
         Source::FaceA(_) => {

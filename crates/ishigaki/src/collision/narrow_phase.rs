@@ -87,7 +87,7 @@ fn find_ordered(
         (Cuboid { half_extents }, Ball { radius }) => {
             let nearest = nearest_on_box(*half_extents, center);
             if nearest.feature.as_face().is_some() {
-                push_ball_of_part(nearest, *radius, center, margin, (0, 0), out);
+                push_ball_of_part(nearest, *radius, center, margin, 0, out);
             } else if nearest.distance - radius <= margin {
                 with_polyhedron(a, |a| polyhedron_ball(&a, nearest, (*radius, center), margin, length_scale, out));
             }
@@ -128,7 +128,6 @@ impl LocalManifold {
     /// The same contact with A and B exchanged, in the frame of the new A, where the old A is at `pose`.
     fn mirror(&mut self, pose: &Pose) {
         self.normal = -(pose.rotation * self.normal);
-        self.part = (self.part.1, self.part.0);
         for point in &mut self.points {
             (point.on_a, point.on_b) = (*pose * point.on_b, *pose * point.on_a);
             point.id = point.id.swapped();

@@ -30,7 +30,7 @@ pub(crate) fn other_pair(
         (_, Some(a), Geometry::Ball { radius }, _) => {
             let (point, normal, distance) = nearest_on_curved(&a, center);
             let nearest = Nearest { point, normal, distance, feature: Feature::unknown(0) };
-            push_ball_of_part(nearest, *radius, center, margin, (0, 0), out);
+            push_ball_of_part(nearest, *radius, center, margin, 0, out);
         }
         (_, Some(a), Geometry::Capsule { half_length, radius }, _) => {
             curved_capsule(&a, (*half_length, *radius), b_in_a, &tolerance, out);

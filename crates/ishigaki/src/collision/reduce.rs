@@ -18,7 +18,7 @@ const LEAD: f32 = 1.02;
 /// `normal` is B's; depths that differ by less than `tolerance` (m) count as equal.
 pub(crate) fn push_manifold(
     normal: Vec3,
-    part: (u32, u32),
+    part: u32,
     candidates: &mut Candidates,
     tolerance: f32,
     out: &mut LocalManifolds,
@@ -64,7 +64,7 @@ fn sort_by_name(points: &mut [LocalPoint]) {
 }
 
 /// Appends the manifold of a single point.
-pub(crate) fn push_point(normal: Vec3, part: (u32, u32), point: LocalPoint, out: &mut LocalManifolds) {
+pub(crate) fn push_point(normal: Vec3, part: u32, point: LocalPoint, out: &mut LocalManifolds) {
     let finite = [normal, point.on_a, point.on_b].iter().all(|v| v.is_finite()) && point.separation.is_finite();
     if finite {
         let mut points = ArrayVec::new();

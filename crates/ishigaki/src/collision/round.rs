@@ -71,7 +71,7 @@ pub(crate) fn capsule_ball(
 fn push_ball(nearest: Nearest, radius_a: f32, radius_b: f32, center: Vec3, margin: f32, out: &mut LocalManifolds) {
     let distance = nearest.distance - radius_a;
     let point = nearest.point + nearest.normal * radius_a;
-    push_ball_of_part(Nearest { point, distance, ..nearest }, radius_b, center, margin, (0, 0), out);
+    push_ball_of_part(Nearest { point, distance, ..nearest }, radius_b, center, margin, 0, out);
 }
 
 /// The one point where a ball at `center` touches.
@@ -80,7 +80,7 @@ pub(crate) fn push_ball_of_part(
     radius: f32,
     center: Vec3,
     margin: f32,
-    part: (u32, u32),
+    part: u32,
     out: &mut LocalManifolds,
 ) {
     let separation = nearest.distance - radius;
@@ -269,7 +269,7 @@ pub(crate) fn capsule_capsule(a: &PlacedCapsule, b: &PlacedCapsule, margin: f32,
     if points.is_empty() {
         points.push(point(s, t, FeatureId::new(PlacedCapsule::feature(s), PlacedCapsule::feature(t))));
     }
-    push_manifold(-direction, (0, 0), &mut points, 0.0, out);
+    push_manifold(-direction, 0, &mut points, 0.0, out);
 }
 
 pub(crate) fn sine(a: Vec3, b: Vec3) -> f32 {
@@ -332,7 +332,7 @@ pub(crate) fn polyhedron_capsule(
         let skims = skims(solid, (gap.feature, gap.direction), &capsule.ends, capsule.radius, &tolerance);
         points.retain(|p| p.separation <= 0.0 || !skims);
     }
-    push_manifold(-gap.direction, (0, 0), &mut points, tolerance.clip, out);
+    push_manifold(-gap.direction, 0, &mut points, tolerance.clip, out);
 }
 
 /// Whether what comes near an edge or a vertex only skims over the plane of a face beside it: a floor of flush
@@ -364,7 +364,7 @@ pub(crate) fn polyhedron_ball(
     let tolerance = Tolerance::new(margin, length_scale, solid.inner_radius.min(radius));
     let apart = nearest.distance > radius;
     if !(apart && skims(solid, (nearest.feature, nearest.normal), &[center], radius, &tolerance)) {
-        push_ball_of_part(nearest, radius, center, margin, (0, 0), out);
+        push_ball_of_part(nearest, radius, center, margin, 0, out);
     }
 }
 

@@ -178,7 +178,7 @@ pub(crate) struct Pair<'a> {
     pub a: Polyhedron<'a>,
     pub b: Polyhedron<'a>,
     pub b_in_a: &'a Pose,
-    pub part: (u32, u32),
+    pub part: u32,
     pub tolerance: Tolerance,
 }
 
@@ -197,7 +197,7 @@ pub(crate) fn push_contact(
     pair: &impl Points,
     (axis, greatest): (&Axis, f32),
     edges: impl FnOnce() -> Option<Axis>,
-    (part, tolerance): ((u32, u32), &Tolerance),
+    (part, tolerance): (u32, &Tolerance),
     out: &mut LocalManifolds,
 ) {
     let mut points = Candidates::new();

@@ -31,7 +31,7 @@ impl World {
     /// Whether any that are awake are now with some that sleep. Which sleepers are together is asked only then.
     fn unite(&mut self, parents: &mut [u32]) -> bool {
         let mut is_mixed = false;
-        for link in self.scratch.links.iter().filter(|link| link.unites && !link.sleeps) {
+        for link in self.scratch.links.iter().filter(|link| link.unites() && !link.sleeps) {
             is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
         if self.scratch.joint_links.len() != self.joints.len() {
@@ -46,7 +46,7 @@ impl World {
     fn unite_sleepers(&mut self, parents: &mut [u32]) {
         for link in self.scratch.links.iter_mut().filter(|link| link.sleeps) {
             link.sleeps = false;
-            if link.unites {
+            if link.unites() {
                 unite_ends(&mut self.bodies, parents, link.bodies);
             }
         }
@@ -95,7 +95,7 @@ impl World {
     fn measure_heights(&mut self) {
         let Scratch { links, joint_links, roles, height, heights, .. } = &mut self.scratch;
         let joints = if self.options.solver.height.through_joints { &joint_links[..] } else { &[] };
-        let supports = links.iter().filter(|link| link.bears && !link.sleeps).map(|link| link.bodies);
+        let supports = links.iter().filter(|link| link.bears() && !link.sleeps).map(|link| link.bodies);
         let supports = supports.chain(joints.iter().map(|link| link.bodies));
         heights.clear();
         heights.resize(roles.len(), NO_HEIGHT);

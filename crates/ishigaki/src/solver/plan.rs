@@ -138,7 +138,7 @@ impl World {
     fn count_substeps(&self, plan: &mut Plan) {
         let solver = &self.options.solver;
         let found = self.find_jointed(plan);
-        let touches = |link: &Link| link.meets && link.bodies.iter().any(|&b| plan.is_jointed[b as usize]);
+        let touches = |link: &Link| link.meets() && link.bodies.iter().any(|&b| plan.is_jointed[b as usize]);
         let is_swept = found.any && (found.loops || self.scratch.links.iter().any(touches));
         (plan.substeps, plan.sweeps, plan.relax_sweeps) = (solver.substeps, solver.sweeps, solver.relax_sweeps);
         match (found.any, is_swept) {
@@ -242,7 +242,7 @@ impl World {
         for (index, link) in self.scratch.links.iter().enumerate() {
             let [body_a, body_b] = link.bodies.map(|slot| plan.index_of[slot as usize]);
             let is_active = |&slot: &u32| self.scratch.roles[slot as usize].active;
-            if !link.meets || link.batch != Link::NONE || !link.bodies.iter().any(is_active) {
+            if !link.meets() || link.batch != Link::NONE || !link.bodies.iter().any(is_active) {
                 continue;
             }
             let contact = &self.contacts[index];

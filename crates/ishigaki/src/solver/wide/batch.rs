@@ -101,8 +101,6 @@ pub struct Batch {
     pub movers: Movers,
     /// u'.
     pub velocities: Vec<Record>,
-    /// u' before the sweeps.
-    pub before: Vec<Record>,
     /// J'ᵀλ of the last substep: the warm start of the next, without a pass over the rows.
     pub carried: Vec<Record>,
     /// Mass-weighted ways since the start of the step.
@@ -229,9 +227,7 @@ impl Batch {
     }
 
     fn make_records(&mut self) {
-        for records in
-            [&mut self.velocities, &mut self.before, &mut self.carried, &mut self.displacements, &mut self.roots]
-        {
+        for records in [&mut self.velocities, &mut self.carried, &mut self.displacements, &mut self.roots] {
             records.clear();
             records.resize(self.movers.records(), Record::default());
         }

@@ -80,7 +80,6 @@ pub(super) struct Part<'a> {
     pub slots: &'a [u32],
     pub movers: &'a mut [MoverBlock],
     pub velocities: &'a mut [Record],
-    pub before: &'a mut [Record],
     pub carried: &'a mut [Record],
     pub displacements: &'a mut [Record],
     pub roots: &'a mut [Record],
@@ -129,7 +128,6 @@ impl Cut for Part<'_> {
         let (slots, other_slots) = self.slots.split_at(record);
         let (movers, other_movers) = self.movers.split_at_mut(record / LANES);
         let (velocities, other_velocities) = self.velocities.split_at_mut(record);
-        let (before, other_before) = self.before.split_at_mut(record);
         let (carried, other_carried) = self.carried.split_at_mut(record);
         let (displacements, other_displacements) = self.displacements.split_at_mut(record);
         let (roots, other_roots) = self.roots.split_at_mut(record);
@@ -144,7 +142,6 @@ impl Cut for Part<'_> {
             slots: other_slots,
             movers: other_movers,
             velocities: other_velocities,
-            before: other_before,
             carried: other_carried,
             displacements: other_displacements,
             roots: other_roots,
@@ -161,7 +158,6 @@ impl Cut for Part<'_> {
             slots,
             movers,
             velocities,
-            before,
             carried,
             displacements,
             roots,
@@ -234,7 +230,6 @@ impl Batch {
             slots: &self.movers.slots[records.clone()],
             movers: &mut self.movers.blocks[records.start / LANES..records.end / LANES],
             velocities: &mut self.velocities[records.clone()],
-            before: &mut self.before[records.clone()],
             carried: &mut self.carried[records.clone()],
             displacements: &mut self.displacements[records.clone()],
             roots: &mut self.roots[records],

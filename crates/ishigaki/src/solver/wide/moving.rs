@@ -99,14 +99,7 @@ fn root_times<S: Simd>(simd: S, block: &MoverBlock, root: &Lane6, v: V3<S>) -> V
 
 /// v += h(F/m + g), L += hτ, damping; then u', with what the last substep carried over added to it.
 #[inline(always)]
-fn begin<S: Simd>(
-    simd: S,
-    block: &mut MoverBlock,
-    carried: Option<&Eight>,
-    before: &mut Eight,
-    velocities: &mut Eight,
-    h: f32,
-) {
+fn begin<S: Simd>(simd: S, block: &mut MoverBlock, carried: Option<&Eight>, velocities: &mut Eight, h: f32) {
     let step = splat(simd, h);
     let pushed = V3::load(simd, &block.velocity).plus(V3::load(simd, &block.acceleration).times(step));
     pushed.times(load(simd, &block.kept[0])).store(&mut block.velocity);
@@ -119,17 +112,16 @@ fn begin<S: Simd>(
         V3::load(simd, &block.momentum).plus(impulse).times(kept).store(&mut block.momentum);
     }
     let free = Twist::of(simd, block).weighted(simd, block);
-    free.write(simd, before);
     match carried {
         Some(carried) => free.plus(Twist::read(simd, carried)).write(simd, velocities),
         None => free.write(simd, velocities),
     }
 }
 
-/// Takes over what sweeps made of u'; gives the change.
+/// Takes over what sweeps made of u'; gives the change. Before them it was that of v and ω as they are.
 #[inline(always)]
-fn take<S: Simd>(simd: S, block: &mut MoverBlock, before: &Eight, after: &Eight) -> Twist<S> {
-    let change = Twist::read(simd, after).minus(Twist::read(simd, before));
+fn take<S: Simd>(simd: S, block: &mut MoverBlock, after: &Eight) -> Twist<S> {
+    let change = Twist::read(simd, after).minus(Twist::of(simd, block).weighted(simd, block));
     let linear = change.linear.times(load(simd, &block.inverse_root_mass));
     V3::load(simd, &block.velocity).plus(linear).store(&mut block.velocity);
     let turn = root_times(simd, block, &block.root, change.angular);
@@ -167,38 +159,35 @@ fn limit_each(block: &mut MoverBlock, motion: &Motion) {
 }
 
 /// Takes sweeps over, then x += h v and the turn; the way adds to the displacement. `carried` gets what sweeps changed,
-/// `before` and `velocities` u' after the motion.
+/// `velocities` u' after the motion.
 #[inline(always)]
 fn advance<S: Simd>(
     simd: S,
     block: &mut MoverBlock,
     carried: &mut Eight,
-    before: &mut Eight,
     velocities: &mut Eight,
     displacements: &mut Eight,
     motion: &Motion,
 ) {
-    take(simd, block, before, velocities).write(simd, carried);
+    take(simd, block, velocities).write(simd, carried);
     limit(simd, block, motion);
     let way = Twist::of(simd, block).times(simd, motion.h);
     V3::load(simd, &block.center).plus(way.linear).store(&mut block.center);
     Twist::read(simd, displacements).plus(way.weighted(simd, block)).write(simd, displacements);
     turn(simd, block, motion.scheme, motion.h);
-    record(simd, block, before, velocities);
+    record(simd, block, velocities);
 }
 
 #[inline(always)]
-fn record<S: Simd>(simd: S, block: &MoverBlock, before: &mut Eight, velocities: &mut Eight) {
-    let u = Twist::of(simd, block).weighted(simd, block);
-    u.write(simd, before);
-    u.write(simd, velocities);
+fn record<S: Simd>(simd: S, block: &MoverBlock, velocities: &mut Eight) {
+    Twist::of(simd, block).weighted(simd, block).write(simd, velocities);
 }
 
 /// Takes the sweeps after the motion over; what they changed is carried to the next substep, unless that pushes its
 /// impulses anew.
 #[inline(always)]
-fn end<S: Simd>(simd: S, block: &mut MoverBlock, carried: Option<&mut Eight>, before: &Eight, velocities: &Eight) {
-    let change = take(simd, block, before, velocities);
+fn end<S: Simd>(simd: S, block: &mut MoverBlock, carried: Option<&mut Eight>, velocities: &Eight) {
+    let change = take(simd, block, velocities);
     if let Some(carried) = carried {
         Twist::read(simd, carried).plus(change).write(simd, carried);
     }
@@ -231,7 +220,6 @@ fn reweigh<S: Simd>(
     block: &mut MoverBlock,
     inverse_roots: &mut Eight,
     displacements: &mut Eight,
-    before: &mut Eight,
     velocities: &mut Eight,
 ) {
     if block.weighed == 0 {
@@ -257,7 +245,7 @@ fn reweigh<S: Simd>(
         choose(chosen, weighted.linear, way.linear),
         choose(chosen, weighted.angular, way.angular),
     );
-    record(simd, block, before, velocities);
+    record(simd, block, velocities);
 }
 
 /// I^½ as records.
@@ -274,7 +262,6 @@ fn shift<S: Simd>(
     block: &mut MoverBlock,
     pushes: &Eight,
     displacements: &mut Eight,
-    before: &mut Eight,
     velocities: &mut Eight,
     h: f32,
 ) {
@@ -306,7 +293,7 @@ fn shift<S: Simd>(
     let spin = inverse_inertia_times(simd, block, Q4::load(simd, &block.rotation), momentum);
     choose(still, V3::load(simd, &block.spin), spin).store(&mut block.spin);
     Twist::read(simd, displacements).plus(push.times(simd, h)).write(simd, displacements);
-    record(simd, block, before, velocities);
+    record(simd, block, velocities);
 }
 
 /// Poses as records: centers, and rotations.
@@ -327,7 +314,6 @@ pub fn begin_all<S: Simd>(
     simd: S,
     blocks: &mut [MoverBlock],
     carried: Option<&[Record]>,
-    before: &mut [Record],
     velocities: &mut [Record],
     h: f32,
 ) {
@@ -335,9 +321,8 @@ pub fn begin_all<S: Simd>(
         Some(records) => records.as_chunks().0,
         None => &[],
     };
-    let records = before.as_chunks_mut().0.iter_mut().zip(velocities.as_chunks_mut().0);
-    for (k, (block, (before, velocities))) in blocks.iter_mut().zip(records).enumerate() {
-        begin(simd, block, carried.get(k), before, velocities, h);
+    for (k, (block, velocities)) in blocks.iter_mut().zip(velocities.as_chunks_mut().0).enumerate() {
+        begin(simd, block, carried.get(k), velocities, h);
     }
 }
 
@@ -347,31 +332,22 @@ pub fn advance_all<S: Simd>(
     simd: S,
     blocks: &mut [MoverBlock],
     carried: &mut [Record],
-    before: &mut [Record],
     velocities: &mut [Record],
     ways: &mut [Record],
     motion: &Motion,
 ) {
-    let records = carried.as_chunks_mut().0.iter_mut().zip(before.as_chunks_mut().0);
-    let records = records.zip(velocities.as_chunks_mut().0).zip(ways.as_chunks_mut().0);
-    for (block, (((carried, before), velocities), ways)) in blocks.iter_mut().zip(records) {
-        advance(simd, block, carried, before, velocities, ways, motion);
+    let records = carried.as_chunks_mut().0.iter_mut().zip(velocities.as_chunks_mut().0);
+    for (block, ((carried, velocities), ways)) in blocks.iter_mut().zip(records.zip(ways.as_chunks_mut().0)) {
+        advance(simd, block, carried, velocities, ways, motion);
     }
 }
 
 /// `end` for all.
 #[inline(always)]
-pub fn end_all<S: Simd>(
-    simd: S,
-    blocks: &mut [MoverBlock],
-    carried: Option<&mut [Record]>,
-    before: &[Record],
-    velocities: &[Record],
-) {
+pub fn end_all<S: Simd>(simd: S, blocks: &mut [MoverBlock], carried: Option<&mut [Record]>, velocities: &[Record]) {
     let mut carried = carried.unwrap_or_default().as_chunks_mut().0.iter_mut();
-    let records = before.as_chunks().0.iter().zip(velocities.as_chunks().0);
-    for (block, (before, velocities)) in blocks.iter_mut().zip(records) {
-        end(simd, block, carried.next(), before, velocities);
+    for (block, velocities) in blocks.iter_mut().zip(velocities.as_chunks().0) {
+        end(simd, block, carried.next(), velocities);
     }
 }
 
@@ -383,15 +359,13 @@ pub fn reweigh_all<S: Simd>(
     roots: &mut [Record],
     old_roots: &mut [Record],
     ways: &mut [Record],
-    before: &mut [Record],
     velocities: &mut [Record],
 ) {
     let records = roots.as_chunks_mut().0.iter_mut().zip(old_roots.as_chunks_mut().0);
-    let records = records.zip(ways.as_chunks_mut().0).zip(before.as_chunks_mut().0);
-    let records = records.zip(velocities.as_chunks_mut().0);
-    for (block, ((((roots, old_roots), ways), before), velocities)) in blocks.iter_mut().zip(records) {
+    let records = records.zip(ways.as_chunks_mut().0).zip(velocities.as_chunks_mut().0);
+    for (block, (((roots, old_roots), ways), velocities)) in blocks.iter_mut().zip(records) {
         write_roots(simd, block, old_roots);
-        reweigh(simd, block, roots, ways, before, velocities);
+        reweigh(simd, block, roots, ways, velocities);
     }
 }
 
@@ -402,14 +376,13 @@ pub fn shift_all<S: Simd>(
     blocks: &mut [MoverBlock],
     pushes: &[Record],
     ways: &mut [Record],
-    before: &mut [Record],
     velocities: &mut [Record],
     h: f32,
 ) {
     let records = pushes.as_chunks().0.iter().zip(ways.as_chunks_mut().0);
-    let records = records.zip(before.as_chunks_mut().0).zip(velocities.as_chunks_mut().0);
-    for (block, (((pushes, ways), before), velocities)) in blocks.iter_mut().zip(records) {
-        shift(simd, block, pushes, ways, before, velocities, h);
+    let records = records.zip(velocities.as_chunks_mut().0);
+    for (block, ((pushes, ways), velocities)) in blocks.iter_mut().zip(records) {
+        shift(simd, block, pushes, ways, velocities, h);
     }
 }
 

@@ -246,10 +246,10 @@ impl Batch {
         self.old_roots.resize(self.roots.len(), Record::default());
         let movers = &mut self.movers.blocks;
         let (roots, old, ways) = (&mut self.roots, &mut self.old_roots, &mut self.displacements);
-        let (before, velocities) = (&mut self.before, &mut self.velocities);
+        let velocities = &mut self.velocities;
         let (blocks, tangents, scales) = (&mut self.blocks[..], &mut self.tangents[..], &self.scales[..]);
         dispatch!(level, simd => {
-            moving::reweigh_all(simd, movers, roots, old, ways, before, velocities);
+            moving::reweigh_all(simd, movers, roots, old, ways, velocities);
             sweeping::reweigh_all(simd, blocks, tangents, scales, old, roots);
         });
     }
@@ -258,8 +258,8 @@ impl Batch {
     fn recover(&mut self, level: Level, pass: &JointPass, reversed: bool, h: f32) {
         let pushes = self.joints.recover(level, pass, reversed);
         let (blocks, ways) = (&mut self.movers.blocks, &mut self.displacements);
-        let (before, velocities) = (&mut self.before, &mut self.velocities);
-        dispatch!(level, simd => moving::shift_all(simd, blocks, pushes, ways, before, velocities, h));
+        let velocities = &mut self.velocities;
+        dispatch!(level, simd => moving::shift_all(simd, blocks, pushes, ways, velocities, h));
     }
 
     /// Errors of joints at the end of the step.

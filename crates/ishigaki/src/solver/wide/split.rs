@@ -97,7 +97,7 @@ impl World {
             (*least, *greatest) = (least.min(role.inverse_mass), greatest.max(role.inverse_mass));
             wide.unfit[role.island as usize] |= !role.free;
         }
-        for link in self.scratch.links.iter().filter(|link| link.meets) {
+        for link in self.scratch.links.iter().filter(|link| link.meets()) {
             let [a, b] = link.bodies.map(|slot| &roles[slot as usize]);
             let island = match (a.active, b.active) {
                 (true, true) => unite(&mut wide.parents, a.island, b.island),
@@ -244,7 +244,7 @@ impl World {
 
     /// Manifolds into their batches.
     fn place_manifolds(&mut self, wide: &mut Wide) {
-        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets) {
+        for (index, link) in self.scratch.links.iter_mut().enumerate().filter(|(_, link)| link.meets()) {
             let Some(&slot) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
             let number = wide.batch_of[slot as usize];
             let batch = &mut wide.batches[number as usize];

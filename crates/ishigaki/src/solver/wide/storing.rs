@@ -61,12 +61,12 @@ impl World {
 
 impl ContactSums {
     fn add(&mut self, contact: &mut Contact, link: &Link) {
-        if !link.meets {
+        if !link.meets() {
             return;
         }
         self.contacts += 1;
         if link.sleeps {
-            self.max_penetration = self.max_penetration.max(link.depth);
+            self.max_penetration = self.max_penetration.max(link.depth());
             return;
         }
         let mut is_hit = false;

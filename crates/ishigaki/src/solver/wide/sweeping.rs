@@ -21,22 +21,22 @@ impl Part<'_> {
     /// Forces; what the last substep carried over, if it did.
     pub fn begin(&mut self, level: Level, carries: bool, h: f32) {
         let carried = carries.then_some(&*self.carried);
-        let (movers, before, velocities) = (&mut *self.movers, &mut *self.before, &mut *self.velocities);
-        dispatch!(level, simd => moving::begin_all(simd, movers, carried, before, velocities, h));
+        let (movers, velocities) = (&mut *self.movers, &mut *self.velocities);
+        dispatch!(level, simd => moving::begin_all(simd, movers, carried, velocities, h));
     }
 
     /// Takes the sweeps over, and moves.
     pub fn advance(&mut self, level: Level, motion: &Motion) {
-        let (movers, carried, before) = (&mut *self.movers, &mut *self.carried, &mut *self.before);
+        let (movers, carried) = (&mut *self.movers, &mut *self.carried);
         let (velocities, ways) = (&mut *self.velocities, &mut *self.displacements);
-        dispatch!(level, simd => moving::advance_all(simd, movers, carried, before, velocities, ways, motion));
+        dispatch!(level, simd => moving::advance_all(simd, movers, carried, velocities, ways, motion));
     }
 
     /// Takes the sweeps after the motion over.
     pub fn end(&mut self, level: Level, carries: bool) {
         let (movers, carried) = (&mut *self.movers, carries.then_some(&mut *self.carried));
-        let (before, velocities) = (&*self.before, &*self.velocities);
-        dispatch!(level, simd => moving::end_all(simd, movers, carried, before, velocities));
+        let velocities = &*self.velocities;
+        dispatch!(level, simd => moving::end_all(simd, movers, carried, velocities));
     }
 
     /// Rows of the blocks that were filled.
