@@ -63,7 +63,7 @@ pub struct Domain {
     pub colors: Vec<Range<usize>>,
     /// Tangent rows of these.
     pub tangents: Range<usize>,
-    /// By color and kind: first how many manifolds, then the first block.
+    /// By color and kind: first how many manifolds, then the lane of the next.
     pub(super) counts_of: Vec<[u32; KINDS]>,
 }
 
