@@ -135,9 +135,10 @@ impl World {
             return Err(Error::invalid("shape_b", "must come after shape_a, on another body"));
         }
         not_negative("friction", contact.friction)?;
-        not_negative("torsional_friction", contact.extras().torsional_friction)?;
-        not_negative("rolling_friction", contact.extras().rolling_friction)?;
-        not_negative("restitution", contact.extras().restitution)?;
+        let extras = contact.extras();
+        not_negative("torsional_friction", extras.torsional_friction)?;
+        not_negative("rolling_friction", extras.rolling_friction)?;
+        not_negative("restitution", extras.restitution)?;
         for (i, manifold) in contact.manifolds.iter().enumerate() {
             if manifold.points.is_empty() {
                 return Err(Error::invalid(format!("manifolds[{i}]"), "has no points"));

@@ -14,7 +14,7 @@ pub struct PairMemory {
     /// The axis of the last step in a form of its own, 0 without one; whatever stands here, nothing panics.
     pub axis: u32,
     /// Where B was in the frame of A when it was searched for axes, or frozen.
-    b_in_a: Place,
+    b_in_a: PackedPose,
     /// What the search found, m: the gap, or the bounds.
     found: AxisBounds,
     lesson: Lesson,
@@ -24,12 +24,12 @@ pub struct PairMemory {
 
 /// A pose in 28 bytes, not 32: there are many pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct Place {
+struct PackedPose {
     translation: Vec3,
     rotation: Quat,
 }
 
-impl From<&Pose> for Place {
+impl From<&Pose> for PackedPose {
     fn from(pose: &Pose) -> Self {
         Self { translation: pose.translation, rotation: pose.rotation }
     }
@@ -121,14 +121,14 @@ impl Known {
 }
 
 /// How far points within `radius` (m) of the origin move at most from one pose to another, m.
-fn greatest_motion(from: &Place, to: &Pose, radius: f32) -> f32 {
+fn greatest_motion(from: &PackedPose, to: &Pose, radius: f32) -> f32 {
     let (shift, turn) = motion(from, to);
     // A turn by θ moves a point at the distance r from its axis by 2 r sin θ/2.
     shift.length() + 2.0 * radius * turn.length()
 }
 
 /// Way, and axis of the turn times the sine of half its angle.
-fn motion(from: &Place, to: &Pose) -> (Vec3, Vec3) {
+fn motion(from: &PackedPose, to: &Pose) -> (Vec3, Vec3) {
     let turn: Quat = from.rotation.inverse() * to.rotation;
     (to.translation - from.translation, turn.xyz())
 }

@@ -286,8 +286,8 @@ impl Part<'_> {
         let friction_scale = if friction > 0.0 { warm_scale } else { 0.0 };
         for i in 0..block.size.points() {
             let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
-            let point = manifold.points.get(i).unwrap_or(&NO_POINT);
-            p.effective_mass[lane] = if i < manifold.points.len() { 1.0 } else { 0.0 };
+            let (exists, point) = manifold.points.get(i).map_or((0.0, &NO_POINT), |point| (1.0, point));
+            p.effective_mass[lane] = exists;
             set(&mut p.angular_a, lane, point.arm_a);
             set(&mut p.angular_b, lane, point.arm_b);
             p.separation[lane] = point.separation;

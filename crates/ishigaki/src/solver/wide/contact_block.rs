@@ -227,9 +227,7 @@ impl ContactBlock {
         }; POINTS],
         disks: [DiskLanes { inverse: [ZERO; 3], lambda: [ZERO; 2] }; POINTS],
     };
-}
 
-impl ContactBlock {
     /// Whether small gaps leave the support of a lane as it is.
     pub fn set_bears(&mut self, lane: usize, bears: bool) {
         self.bears = self.bears & !(1 << lane) | u8::from(bears) << lane;
