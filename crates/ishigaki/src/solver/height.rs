@@ -54,8 +54,9 @@ impl Scratch {
     fn build(&mut self, links: impl Iterator<Item = [u32; 2]> + Clone, nodes: usize) {
         self.starts.clear();
         self.starts.resize(nodes + 1, 0);
-        for node in links.clone().flatten() {
-            self.starts[node as usize + 1] += 1;
+        for [a, b] in links.clone() {
+            self.starts[a as usize + 1] += 1;
+            self.starts[b as usize + 1] += 1;
         }
         for i in 0..nodes {
             self.starts[i + 1] += self.starts[i];
