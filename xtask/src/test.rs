@@ -68,13 +68,13 @@ pub fn run() -> Result<(), String> {
 /// Whether the kind of a line of the skip log is in the comma list.
 fn is_required(line: &str, required: &str) -> bool {
     let kind = line.split(':').next().unwrap_or(line).trim_start_matches("SKIPPED ").trim();
-    required.split(',').any(|r| r.trim() == kind)
+    required.split(',').map(str::trim).any(|r| !r.is_empty() && r == kind)
 }
 
 fn skip(log: &Path, line: &str) -> Result<(), String> {
     use std::io::Write;
     let mut file = fs::OpenOptions::new().append(true).open(log).map_err(|e| format!("{}: {e}", log.display()))?;
-    writeln!(file, "{line}").map_err(|e| format!("{}: {e}", log.display()))
+    file.write_all(format!("{line}\n").as_bytes()).map_err(|e| format!("{}: {e}", log.display()))
 }
 
 fn miri(log: &Path) -> Command {
@@ -113,6 +113,7 @@ mod tests {
         assert!(is_required("SKIPPED models: run x", "miri, models"));
         assert!(!is_required("models: not fetched", "model"));
         assert!(!is_required("models: not fetched", ""));
+        assert!(!is_required("", ""));
     }
 
     #[test]

@@ -8,7 +8,9 @@ use std::fmt::Write;
 
 /// Collected while a run goes on.
 pub struct Record {
+    /// Of the steps that were taken.
     step: Samples,
+    steps_not_taken: u64,
     stages: [Samples; Stage::ALL.len()],
     worst_penetration: f32,
     worst_joint_error: f32,
@@ -20,6 +22,7 @@ impl Record {
     pub fn new() -> Self {
         Self {
             step: Samples::new(),
+            steps_not_taken: 0,
             stages: std::array::from_fn(|_| Samples::new()),
             worst_penetration: 0.0,
             worst_joint_error: 0.0,
@@ -30,9 +33,13 @@ impl Record {
 
     /// Takes in one step that took `seconds`.
     pub fn add(&mut self, seconds: f64, report: StepReport) {
-        self.step.push(1e3 * seconds);
-        for (samples, &stage) in self.stages.iter_mut().zip(&report.stage_seconds) {
-            samples.push(1e3 * stage);
+        if report.still {
+            self.steps_not_taken += 1;
+        } else {
+            self.step.push(1e3 * seconds);
+            for (samples, &stage) in self.stages.iter_mut().zip(&report.stage_seconds) {
+                samples.push(1e3 * stage);
+            }
         }
         self.worst_penetration = self.worst_penetration.max(report.max_penetration);
         self.worst_joint_error = self.worst_joint_error.max(report.max_joint_error);
@@ -49,6 +56,7 @@ impl Record {
         Summary {
             scene,
             steps,
+            steps_not_taken: self.steps_not_taken,
             dt,
             bodies: last.bodies,
             ms_per_step: Milliseconds {
@@ -83,12 +91,14 @@ impl Record {
 pub struct Summary {
     scene: String,
     steps: u64,
+    /// Of these, those in which nothing could happen, since all slept.
+    steps_not_taken: u64,
     /// s.
     dt: f32,
     bodies: usize,
-    /// Over the whole run.
+    /// Over the steps that were taken.
     ms_per_step: Milliseconds,
-    /// Medians over the whole run.
+    /// Medians over the steps that were taken.
     #[serde(serialize_with = "as_object")]
     stages_ms: [(&'static str, f64); Stage::ALL.len()],
     contacts: usize,
@@ -137,6 +147,9 @@ impl Summary {
             .push(("time per step", format!("{:.3} ms median, {:.3} ms p95, {:.3} ms max", ms.median, ms.p95, ms.max)));
         for (stage, ms) in self.stages_ms {
             lines.push(("", format!("{ms:>10.3} ms {stage}")));
+        }
+        if self.steps_not_taken > 0 {
+            lines.push(("steps not taken", format!("{} of {}: all slept", self.steps_not_taken, self.steps)));
         }
         lines.push(("bodies", format!("{}, {} asleep", self.bodies, self.asleep)));
         lines.push(("contacts", format!("{}, {} frozen", self.contacts, self.frozen)));
@@ -229,5 +242,16 @@ mod tests {
         assert_eq!(json["worst_penetration"], 0.0);
         assert_eq!(json["warnings"][0], "a warning");
         assert_eq!(json["ms_per_step"]["max"], 3.0);
+    }
+
+    #[test]
+    fn steps_that_were_not_taken_have_no_time() {
+        let mut record = Record::new();
+        record.add(0.002, StepReport::default());
+        (0..8).for_each(|_| record.add(1e-6, StepReport { still: true, ..StepReport::default() }));
+        let summary = record.summarize("test".into(), 9, 0.5, vec![], &World::default());
+        assert!(summary.text().contains("8 of 9: all slept"), "{}", summary.text());
+        let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
+        assert_eq!((&json["ms_per_step"]["median"], &json["steps_not_taken"]), (&2.0.into(), &8.into()));
     }
 }

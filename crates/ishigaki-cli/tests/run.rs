@@ -33,6 +33,7 @@ fn json_is_one_object_with_every_field() {
 
     assert_eq!(result["scene"], "small.json");
     assert_eq!(result["steps"], 60);
+    assert!((0.0..60.0).contains(&number(&result["steps_not_taken"])));
     assert!((number(&result["dt"]) - 1.0 / 60.0).abs() < 1e-6);
     assert_eq!(result["bodies"], 4);
     let [median, p95, max] = ["median", "p95", "max"].map(|key| number(&result["ms_per_step"][key]));

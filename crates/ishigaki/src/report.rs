@@ -67,6 +67,10 @@ impl Stage {
 pub struct StepReport {
     /// Why the step did nothing, if it did nothing: a Δt that is not finite and > 0.
     pub rejected: Option<String>,
+    /// Nothing could happen, since all sleeps and nobody changed anything: the step was not taken, only its time passed.
+    /// All else is that of the last one. Not written: it is no part of what a step leaves.
+    #[serde(skip)]
+    pub still: bool,
     /// Seconds spent in each stage, in the order of [`Stage::ALL`]; zeros without a clock hook.
     /// Not written: snapshots of the same run must be the same bytes, whatever the clock said.
     #[serde(skip)]

@@ -28,7 +28,7 @@ impl World {
 
     /// A step of a world that is still.
     pub(crate) fn stay(&mut self, dt: f32) -> StepReport {
-        self.report.stage_seconds = [0.0; 10];
+        (self.report.still, self.report.stage_seconds) = (true, [0.0; 10]);
         self.last_substep = dt / self.options.solver.substeps as f32;
         self.pass_time(dt);
         self.report.clone()

@@ -19,7 +19,8 @@ fn data() -> Option<PathBuf> {
     if let Some(log) = std::env::var_os("ISHIGAKI_SKIP_LOG")
         && let Ok(mut file) = std::fs::OpenOptions::new().append(true).create(true).open(log)
     {
-        let _ = writeln!(file, "{message}");
+        // In one piece: other tests append, too.
+        let _ = file.write_all(format!("{message}\n").as_bytes());
     }
     None
 }
