@@ -80,7 +80,22 @@ fn skip(log: &Path, line: &str) -> Result<(), String> {
 fn miri(log: &Path) -> Command {
     // Miri does not know libm's assembly; its soft floats give the same bits.
     let soft = ["--features", "libm/force-soft-floats"];
-    let arguments = [&["miri", "test", "--package", "ishigaki-miri", "--test", "small"][..], &soft].concat();
+    let arguments = [
+        &[
+            "miri",
+            "test",
+            "--package",
+            "ishigaki-miri",
+            "--package",
+            "ishigaki-team",
+            "--test",
+            "small",
+            "--test",
+            "meetings",
+        ][..],
+        &soft,
+    ]
+    .concat();
     let mut command = cargo(Some("nightly"), &arguments);
     command.env("ISHIGAKI_SKIP_LOG", log).env("MIRIFLAGS", "-Zmiri-strict-provenance");
     command

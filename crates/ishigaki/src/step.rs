@@ -22,7 +22,7 @@ const SHORTEST_STEP: f32 = 1e-9;
 const LONGEST_STEP: f32 = 1e6;
 
 /// Bodies awake that one thread moves in the time that several lose by waiting for each other.
-const FEW: usize = 1000;
+const FEW: usize = 300;
 
 /// Arrays that are used again in each step, so that a settled world allocates nothing.
 #[derive(Clone, Debug, Default)]

@@ -3,32 +3,30 @@
 
 #[cfg(feature = "threads")]
 mod share;
-#[cfg(feature = "threads")]
-mod team;
 
 /// Threads of a world; none but the caller's unless they are asked for.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Workers {
     #[cfg(feature = "threads")]
-    team: Option<std::sync::Arc<team::Team>>,
+    team: Option<std::sync::Arc<ishigaki_team::Team>>,
 }
 
 /// While it lives, threads that help are awake.
 pub(crate) struct Awake {
     #[cfg(feature = "threads")]
-    _team: Option<team::Awake>,
+    _team: Option<ishigaki_team::Awake>,
 }
 
 /// Fewer items than this are not worth a thread.
 #[cfg(feature = "threads")]
-const FEW: usize = 128;
+const FEW: usize = 48;
 
 impl Workers {
     /// Wakes those who help, for as long as what this gives lives.
     pub fn wake(&self) -> Awake {
         Awake {
             #[cfg(feature = "threads")]
-            _team: self.team.as_ref().map(team::Awake::keep),
+            _team: self.team.as_ref().map(|team| team.wake()),
         }
     }
 
@@ -95,6 +93,14 @@ impl<A: Cut, B: Cut> Cut for (A, B) {
     }
 }
 
+/// Of indices.
+impl Cut for std::ops::Range<usize> {
+    fn cut(self, part: usize, of: usize) -> (Self, Self) {
+        let middle = self.start + self.len() * part / of;
+        (self.start..middle, middle..self.end)
+    }
+}
+
 impl<T: Sync> Cut for &[T] {
     fn cut(self, part: usize, of: usize) -> (Self, Self) {
         self.split_at(self.len() * part / of)
@@ -112,7 +118,7 @@ impl<T: Send> Cut for &mut [T] {
 impl crate::World {
     /// Lets a step use this many threads, the caller's among them; 1 is where a world begins. The same bits for any
     /// number. A clone shares the threads; a world restored from a snapshot has none. During [`World::step`](crate::World::step) they keep their
-    /// cores busy, work or not; a world with fewer than 1000 bodies awake is stepped by the caller alone.
+    /// cores busy, work or not; a world with fewer than 300 bodies awake is stepped by the caller alone.
     ///
     /// # Errors
     /// No threads, or more than the system gives.
@@ -128,7 +134,9 @@ impl crate::World {
         self.workers.team = match threads {
             0 => return Err(refused("must be at least 1, is 0".to_string())),
             1 => None,
-            _ => Some(std::sync::Arc::new(team::Team::new(threads).map_err(|error| refused(error.to_string()))?)),
+            _ => Some(std::sync::Arc::new(
+                ishigaki_team::Team::new(threads).map_err(|error| refused(error.to_string()))?,
+            )),
         };
         Ok(())
     }

@@ -17,6 +17,8 @@ pub(crate) struct Link {
     nearness: Nearness,
     /// Neither body stirs, and no impulse of a step before is left: nothing changes it but waking.
     pub sleeps: bool,
+    /// Both bodies are awake and pushed by others: there is no more to ask where they unite.
+    pub joins: bool,
     /// Rolling or torsional friction, a bounce or a moving surface: rows that only the reference has.
     pub asks_much: bool,
     /// Its batch in the wide path, or [`Link::NONE`].
@@ -100,6 +102,7 @@ impl Link {
             manifolds: contact.manifolds.len() as u32,
             nearness,
             sleeps,
+            joins: a.is_active() && b.is_active(),
             asks_much: contact.extras.as_ref().is_some_and(|extras| judge.asks_much(extras)),
             batch: Self::NONE,
             place: depth.to_bits(),

@@ -33,12 +33,22 @@ pub(crate) fn insert_pairs(pairs: &mut Vec<Pair>, new: &[(u32, u32)]) {
     pairs.extend(new.iter().map(|&key| Pair::new(key)));
     // From the back, each pair moves at most once.
     for (i, &key) in new.iter().enumerate().rev() {
-        while rest > 0 && pairs[rest - 1].key() > key {
-            pairs[rest + i] = pairs[rest - 1];
-            rest -= 1;
-        }
-        pairs[rest + i] = Pair::new(key);
+        let place = pairs[..rest].partition_point(|pair| pair.key() < key);
+        pairs.copy_within(place..rest, place + i + 1);
+        pairs[place + i] = Pair::new(key);
+        rest = place;
     }
+}
+
+/// Takes the pairs with these indices out, which come in their order.
+pub(crate) fn remove_pairs(pairs: &mut Vec<Pair>, gone: impl Iterator<Item = usize>) {
+    let (mut kept, mut next) = (0, 0);
+    for index in gone {
+        pairs.copy_within(next..index, kept);
+        (kept, next) = (kept + index - next, index + 1);
+    }
+    pairs.copy_within(next.., kept);
+    pairs.truncate(kept + pairs.len() - next);
 }
 
 /// Puts the sorted `new` contacts into the sorted `contacts`, and empties `new`.
@@ -101,6 +111,9 @@ mod tests {
             insert_pairs(&mut pairs, &new);
             assert!(pairs.iter().map(Pair::key).eq(keys.iter().copied()), "{dealt}");
             assert!(pairs.iter().all(|p| (p.memory.axis == 7) == old.contains(&p.key())));
+            let mut gone = new.iter().map(|key| keys.iter().position(|k| k == key).unwrap());
+            remove_pairs(&mut pairs, &mut gone);
+            assert!(pairs.iter().map(Pair::key).eq(old.iter().copied()), "{dealt}");
             let make = |keys: &[(u32, u32)]| keys.iter().map(|&key| Contact::new(key, key, false)).collect::<Vec<_>>();
             let (mut contacts, mut fresh) = (make(&old), make(&new));
             insert_contacts(&mut contacts, &mut fresh);

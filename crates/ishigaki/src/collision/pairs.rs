@@ -5,7 +5,7 @@
 
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::continuous::start_center;
-use crate::collision::pair::{Pair, clear_burst, insert_pairs};
+use crate::collision::pair::{Pair, clear_burst, insert_pairs, remove_pairs};
 use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
 use crate::math::Vec3;
 use crate::step::Scratch;
@@ -77,9 +77,41 @@ impl World {
     }
 
     fn drop_parted_pairs(&mut self) {
-        let bounds = &self.scratch.proxies.bounds;
-        self.pairs.retain(|p| bounds[p.shape_a as usize][0].touch(&bounds[p.shape_b as usize][0]));
-        self.drop_contacts_without_pair();
+        let Scratch { moves: parts, proxies, gone_pairs: gone, .. } = &mut self.scratch;
+        let (pairs, contacts, bounds) = (&self.pairs[..], &self.contacts[..], &proxies.bounds[..]);
+        parts.resize_with(self.workers.parts(pairs.len()), Moves::default);
+        self.workers.in_parts(0..pairs.len(), parts, |indices, moves| {
+            moves.parted.clear();
+            moves.ended.clear();
+            let mut rest = contacts;
+            for (pair, index) in pairs[indices.clone()].iter().zip(indices) {
+                if bounds[pair.shape_a as usize][0].touch(&bounds[pair.shape_b as usize][0]) {
+                    continue;
+                }
+                moves.parted.push(index as u32);
+                rest = &rest[rest.partition_point(|contact| contact.key() < pair.key())..];
+                if rest.first().is_some_and(|contact| contact.key() == pair.key()) {
+                    moves.ended.push((contacts.len() - rest.len()) as u32);
+                }
+            }
+        });
+        gone.clear();
+        if parts.iter().all(|part| part.parted.is_empty()) {
+            return;
+        }
+        remove_pairs(&mut self.pairs, parts.iter().flat_map(|part| &part.parted).map(|&index| index as usize));
+        let mut ended = parts.iter().flat_map(|part| &part.ended).peekable();
+        if ended.peek().is_some() {
+            let mut indices = 0..;
+            self.contacts.retain(|contact| {
+                let ends = indices.next() == ended.peek().copied().copied();
+                if ends {
+                    ended.next();
+                    gone.extend(contact.touching.then_some((contact.shape_a, contact.shape_b, contact.sensor)));
+                }
+                !ends
+            });
+        }
         self.end_gone_pairs();
     }
 
@@ -140,7 +172,10 @@ impl World {
         lists.iter_mut().for_each(clear_burst);
         self.scratch.pair_lists = lists;
         // What moved because its user said so may know its pairs already.
-        found.retain(|pair| self.pairs.binary_search_by_key(pair, Pair::key).is_err());
+        let asks_anew = |slot: u32| bounds[slot as usize][1].is_nowhere();
+        found.retain(|pair| {
+            !(asks_anew(pair.0) || asks_anew(pair.1)) || self.pairs.binary_search_by_key(pair, Pair::key).is_err()
+        });
         insert_pairs(&mut self.pairs, &found);
         clear_burst(&mut found);
         self.scratch.new_pairs = found;
@@ -169,6 +204,9 @@ impl World {
 pub(crate) struct Moves {
     moved: Vec<u32>,
     planes: Vec<Plane>,
+    /// Indices of pairs whose bounds came apart, and of the contacts of these.
+    parted: Vec<u32>,
+    ended: Vec<u32>,
 }
 
 /// By how much bounds are larger than shapes.

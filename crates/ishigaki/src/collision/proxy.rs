@@ -51,6 +51,10 @@ impl FatBounds {
     /// Touches nothing.
     pub const NOWHERE: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
+    pub fn is_nowhere(&self) -> bool {
+        self.min.x == f32::INFINITY
+    }
+
     pub fn of(shape: &ShapeState) -> Self {
         Self { min: shape.bounds_min, max: shape.bounds_max }
     }

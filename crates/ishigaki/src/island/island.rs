@@ -32,7 +32,11 @@ impl World {
     fn unite(&mut self, parents: &mut [u32]) -> bool {
         let mut is_mixed = false;
         for link in self.scratch.links.iter().filter(|link| link.unites() && !link.sleeps) {
-            is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
+            if link.joins {
+                unite(parents, link.bodies[0], link.bodies[1]);
+            } else {
+                is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
+            }
         }
         if self.scratch.joint_links.len() != self.joints.len() {
             joint_link::collect(&self.joints, &self.bodies, &mut self.scratch.joint_links);

@@ -27,11 +27,8 @@ const TRIES: usize = 3;
 /// What takes a smaller part of the unrest is not tried again for `PAUSE` steps: sweeps take more for the same work.
 const WORTH: f32 = 0.08;
 pub(crate) const PAUSE: u64 = 4;
-
-/// Whether to hand down in the next substep too: what was gained of the unrest there was, both J.
-pub(crate) fn is_worth_it(gain: f32, unrest: f32) -> bool {
-    gain > WORTH * unrest
-}
+/// Nor is what takes a greater part and comes from such a pause: so heaps do, and what it left them is of loops.
+const MOST: f32 = 0.2;
 
 /// Force impulse, N·s, and torque impulse about the center of mass, N·m·s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -231,6 +228,13 @@ impl Search {
 }
 
 impl World {
+    /// Whether to hand down in the next substep too: what was gained of the unrest there was, both J. Pauses of an island
+    /// are those of its first body.
+    pub(crate) fn is_worth_handing_down(&self, first_body: u32, gain: f32, unrest: f32) -> bool {
+        let is_back = self.step_count > 0 && self.bodies.at(first_body).no_correction_until == self.step_count;
+        gain > WORTH * unrest && !(is_back && gain > MOST * unrest)
+    }
+
     /// Hands down the momentum of bodies that these manifolds of the reference connect; the energy of the residual
     /// that it took away, J, and the multiply-adds.
     pub(crate) fn hand_down_rows(&self, plan: &mut Plan, manifolds: impl Iterator<Item = u32>) -> (f32, u64) {

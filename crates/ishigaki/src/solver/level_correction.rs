@@ -194,7 +194,8 @@ impl World {
         }
         let (gain, multiply_adds) = self.hand_down_rows(plan, all.iter().map(|m| m.manifold));
         work.work += multiply_adds;
-        hand_down::is_worth_it(gain, unrest)
+        let first = all.iter().map(|m| m.body).min().unwrap_or(0);
+        self.is_worth_handing_down(first, gain, unrest)
     }
 
     /// Correction and a sweep over the island's contacts in turn, while the correction still finds something; whether

@@ -18,11 +18,11 @@ use fearless_simd::Level;
 use std::ops::Range;
 
 /// Manifolds of a domain, at least: fewer are not worth the seam.
-const MANIFOLDS: usize = 600;
+const MANIFOLDS: usize = 300;
 /// Domains of a batch, at most.
 const MOST: usize = 16;
 /// Blocks of a color that are not worth a second thread.
-const FEW: usize = 12;
+const FEW: usize = 5;
 /// Places that are summed up in one go.
 const CHUNK: usize = 512;
 

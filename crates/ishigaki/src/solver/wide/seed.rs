@@ -8,75 +8,115 @@
 
 use crate::body::NO_HEIGHT;
 use crate::math::Vec3;
-use crate::solver::wide::batch::{Batch, Source};
-use std::cmp::Reverse;
+use crate::solver::wide::batch::{Batch, Place, Source};
 
 /// Bodies slower than this may be at rest, m/s × √length scale.
 const SLOW: f32 = 0.1;
 
+/// What handing down asks of a body.
+#[derive(Clone, Copy)]
+struct Bearer {
+    height: u32,
+    is_slow: bool,
+    /// What it bears and weighs, N·s.
+    load: f32,
+    /// How many manifolds it stands on.
+    supports: u32,
+}
+
 impl Batch {
     /// Fills in the impulses of contacts between slow bodies that have none, for a substep of `h` seconds.
     pub(super) fn seed(&mut self, source: &Source<'_>, h: f32) {
-        if !self.has_cold_contacts(source) {
+        let mut bearers = self.bearers(source, h);
+        let is_cold = |place: &Place| self.borne(place) == 0.0 && is_slow(place, &bearers);
+        if !self.places.iter().any(|place| is_cold(place) && upper_of(place, &bearers, source).is_some()) {
             return;
         }
         let up = -source.options.gravity.normalize_or_zero();
-        let weight = source.options.gravity.length() * h;
-        let height = |slot: u32| source.bodies.at(slot).height;
-        let mut loads: Vec<f32> = vec![0.0; self.movers.records()];
-        let mut supports: Vec<u32> = vec![0; self.movers.records()];
-        for (index, slot) in self.movers.bodies() {
-            let body = source.bodies.at(slot);
-            loads[index as usize] = weight * body.gravity_scale / body.inverse_mass;
-        }
-        let mut order: Vec<(Reverse<u32>, u32)> = Vec::with_capacity(self.places.len());
-        for (index, place) in self.places.iter().enumerate() {
-            let contact = &source.contacts[place.contact as usize];
-            let heights = [height(contact.body_a), height(contact.body_b)];
-            if heights[0] == heights[1] || heights.contains(&NO_HEIGHT) {
-                continue;
-            }
-            let upper = usize::from(heights[1] > heights[0]);
-            supports[place.bodies[upper] as usize] += 1;
-            order.push((Reverse(heights[upper]), index as u32));
-        }
-        order.sort_unstable();
-        for (_, index) in order {
-            let place = self.places[index as usize];
-            let contact = &source.contacts[place.contact as usize];
-            let upper = usize::from(height(contact.body_b) > height(contact.body_a));
+        for (name, upper) in self.top_down(&mut bearers, source) {
+            let place = self.places[name as usize];
             let (above, below) = (place.bodies[upper] as usize, place.bodies[1 - upper] as usize);
-            let manifold = &contact.manifolds[place.manifold as usize];
-            let (block, lane) = (&mut self.blocks[place.block()], place.lane());
-            let mut borne: f32 = block.points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum();
-            let is_slow = |slot: u32| slow(source, slot);
-            if borne == 0.0 && is_slow(contact.body_a) && is_slow(contact.body_b) {
+            let mut borne = self.borne(&place);
+            if borne == 0.0 && is_slow(&place, &bearers) {
+                let manifold = &source.contacts[place.contact as usize].manifolds[place.manifold as usize];
                 let normal: Vec3 = if upper == 0 { manifold.normal } else { -manifold.normal };
-                borne = loads[above] / supports[above] as f32 * normal.dot(up).max(0.0);
-                for point in &mut block.points[..manifold.points.len()] {
-                    point.lambda[lane] = borne / manifold.points.len() as f32;
+                let bearer = &bearers[above];
+                borne = bearer.load / bearer.supports as f32 * normal.dot(up).max(0.0);
+                for point in &mut self.blocks[place.block()].points[..manifold.points.len()] {
+                    point.lambda[place.lane()] = borne / manifold.points.len() as f32;
                 }
             }
+            // The ground bears all.
             if below != 0 {
-                loads[below] += borne;
+                bearers[below].load += borne;
             }
         }
     }
 
-    fn has_cold_contacts(&self, source: &Source<'_>) -> bool {
-        self.places.iter().any(|place| {
-            let contact = &source.contacts[place.contact as usize];
-            let points = &contact.manifolds[place.manifold as usize].points;
-            let height = |slot: u32| source.bodies.at(slot).height;
-            points.iter().all(|p| p.lambda_normal == 0.0)
-                && height(contact.body_a) != height(contact.body_b)
-                && slow(source, contact.body_a)
-                && slow(source, contact.body_b)
-        })
+    /// All bodies by their records, with their own weight. What does not move is slow, and of any height.
+    fn bearers(&self, source: &Source<'_>, h: f32) -> Vec<Bearer> {
+        let still = Bearer { height: NO_HEIGHT, is_slow: true, load: 0.0, supports: 0 };
+        let mut bearers = vec![still; self.movers.records()];
+        let limit = SLOW * source.options.length_scale.sqrt();
+        let weight = source.options.gravity.length() * h;
+        for (record, slot) in self.movers.bodies() {
+            let body = source.bodies.at(slot);
+            bearers[record as usize] = Bearer {
+                height: body.height,
+                is_slow: body.velocity.length_squared() < limit * limit,
+                load: weight * body.gravity_scale / body.inverse_mass,
+                supports: 0,
+            };
+        }
+        bearers
+    }
+
+    /// Manifolds between bodies of different heights, with the side of the upper one: the highest first, those of one height
+    /// in the order of contacts. Counts what bodies stand on.
+    fn top_down(&self, bearers: &mut [Bearer], source: &Source<'_>) -> Vec<(u32, usize)> {
+        let mut stands = Vec::with_capacity(self.places.len());
+        let mut next: Vec<usize> = Vec::new();
+        for (place, name) in self.places.iter().zip(0..) {
+            let Some((upper, height)) = upper_of(place, bearers, source) else { continue };
+            bearers[place.bodies[upper] as usize].supports += 1;
+            if next.len() <= height {
+                next.resize(height + 1, 0);
+            }
+            next[height] += 1;
+            stands.push((height, (name, upper)));
+        }
+        let mut first = 0;
+        for of_height in next.iter_mut().rev() {
+            (*of_height, first) = (first, first + *of_height);
+        }
+        let mut order = vec![(0, 0); stands.len()];
+        for (height, stand) in stands {
+            order[next[height]] = stand;
+            next[height] += 1;
+        }
+        order
+    }
+
+    /// The sum of its normal impulses, N·s.
+    fn borne(&self, place: &Place) -> f32 {
+        let (block, lane) = (&self.blocks[place.block()], place.lane());
+        block.points[..place.size.points()].iter().map(|p| p.lambda[lane]).sum()
     }
 }
 
-fn slow(source: &Source<'_>, slot: u32) -> bool {
-    let limit = SLOW * source.options.length_scale.sqrt();
-    source.bodies.at(slot).velocity.length_squared() < limit * limit
+/// Which of its bodies stands on the other, 0 or 1, and how high, if one does.
+fn upper_of(place: &Place, bearers: &[Bearer], source: &Source<'_>) -> Option<(usize, usize)> {
+    let contact = || &source.contacts[place.contact as usize];
+    let height = |side: usize| match place.bodies[side] {
+        // Ground, or a sleeper that is not touched yet.
+        0 => source.bodies.at([contact().body_a, contact().body_b][side]).height,
+        body => bearers[body as usize].height,
+    };
+    let [a, b] = [height(0), height(1)];
+    (a != b && a != NO_HEIGHT && b != NO_HEIGHT).then_some((usize::from(b > a), a.max(b) as usize))
+}
+
+/// Whether both of its bodies may be at rest.
+fn is_slow(place: &Place, bearers: &[Bearer]) -> bool {
+    place.bodies.iter().all(|&body| bearers[body as usize].is_slow)
 }

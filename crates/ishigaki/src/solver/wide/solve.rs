@@ -171,7 +171,7 @@ impl World {
                 continue;
             }
             let gain = self.hand_down(batch, work, index as u32);
-            if !hand_down::is_worth_it(gain, island.unrest) {
+            if !self.is_worth_handing_down(island.first_body, gain, island.unrest) {
                 batch.outcome.pauses.push((island.first_body, hand_down::PAUSE));
             }
         }
