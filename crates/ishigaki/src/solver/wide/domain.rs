@@ -174,9 +174,9 @@ impl Cut for Part<'_> {
 }
 
 impl Batch {
-    /// Sorts bodies into domains for so many threads; what has joints is one.
-    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, threads: usize) {
-        let domains = (self.divisible as usize / MANIFOLDS).min(threads).clamp(1, MOST);
+    /// Sorts bodies into so many domains, if they are worth it; what has joints is one.
+    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, domains: usize) {
+        let domains = (self.divisible as usize / MANIFOLDS).min(domains).clamp(1, MOST);
         self.domains.resize_with(domains + 1, Domain::default);
         let mut first_records = [0; MOST];
         if domains > 1 {

@@ -214,8 +214,12 @@ impl World {
             }
         }
         let threads = if self.options.solver.wide.by_reference { 1 } else { self.workers.count() };
-        for batch in &mut wide.batches[..wide.used] {
-            batch.divide(&self.bodies, threads);
+        let batches = &mut wide.batches[..wide.used];
+        let manifolds: usize = batches.iter().map(|batch| batch.divisible as usize).sum();
+        for batch in batches {
+            // Batches side by side keep threads at work without meetings: what is cut is more than a thread's share.
+            let share = (2 * threads * batch.divisible as usize + manifolds) / (2 * manifolds).max(1);
+            batch.divide(&self.bodies, share);
             batch.movers.bodies().for_each(|(index, slot)| wide.index_of[slot as usize] = index);
         }
     }
