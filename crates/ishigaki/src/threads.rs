@@ -52,7 +52,7 @@ impl Workers {
     pub fn parts(&self, items: usize) -> usize {
         #[cfg(feature = "threads")]
         if let Some(team) = &self.team {
-            return (items / FEW).clamp(1, 4 * team.threads());
+            return (items / FEW).clamp(1, 8 * team.threads());
         }
         let _ = items;
         1
