@@ -162,22 +162,6 @@ pub(crate) struct Source<'a> {
     pub warm_scale: f32,
 }
 
-/// What lanes were filled with.
-#[derive(Clone, Copy, Debug, Default)]
-struct Filled {
-    /// Rows that the reference would have.
-    rows: u32,
-    /// Some manifold has no impulse to begin with.
-    cold: bool,
-}
-
-impl Filled {
-    fn add(&mut self, other: Self) {
-        self.rows += other.rows;
-        self.cold |= other.cold;
-    }
-}
-
 impl Place {
     /// A manifold before it has a color.
     pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
@@ -220,14 +204,11 @@ impl Batch {
         self.scales.clear();
         let own_scales = if solver.weight_amplification.enabled { self.blocks.len() } else { 0 };
         self.scales.resize(own_scales.max(1), ScaleLanes::ONE);
-        let mut filled = Filled::default();
-        let of_domains = self.each(machine, |part| part.fill(source));
-        let of_seam = self.seam().map(|mut seam| seam.fill(source));
-        of_domains.into_iter().chain([of_seam]).flatten().for_each(|part| filled.add(part));
-        self.rows = filled.rows;
+        self.rows = self.each(machine, |part| part.fill(source)).into_iter().flatten().sum();
+        self.rows += self.seam().map_or(0, |mut seam| seam.fill(source));
         if solver.weight_amplification.enabled {
             self.amplify(source);
-        } else if solver.wide.seed && solver.warm_start.enabled && filled.cold && self.joints.is_empty() {
+        } else if solver.wide.seed && solver.warm_start.enabled && self.joints.is_empty() {
             self.seed(source, h);
         }
         self.each_and_seam(machine, |part| part.prepare(machine.level));
@@ -278,27 +259,24 @@ impl Part<'_> {
         dispatch!(level, simd => moving::weigh_all(simd, movers, roots));
     }
 
-    /// Lanes of all manifolds.
-    fn fill(&mut self, source: &Source<'_>) -> Filled {
+    /// Lanes of all manifolds; how many rows the reference would have for them.
+    fn fill(&mut self, source: &Source<'_>) -> u32 {
         let solver = &source.options.solver;
         let first_block = self.domain().blocks.start;
-        let mut filled = Filled::default();
+        let mut rows = 0;
         for &name in self.manifolds {
             let place = self.places[name as usize];
             let contact = &source.contacts[place.contact as usize];
             let manifold = &contact.manifolds[place.manifold as usize];
             let (block, lane) = (place.block() - first_block, place.lane());
             let friction = if solver.friction == FrictionModel::Off { 0.0 } else { contact.friction };
-            filled.add(Filled {
-                rows: manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 },
-                cold: manifold.points.iter().all(|point| point.lambda_normal == 0.0),
-            });
+            rows += manifold.points.len() as u32 * if friction > 0.0 { 3 } else { 1 };
             self.fill_manifold(block, lane, friction, manifold, source.warm_scale);
             let bears = solver.warm_start.enabled && !place.bodies.iter().any(|&b| self.joints.has(b));
             self.blocks[block].set_bears(lane, bears);
             self.fill_bodies(block, lane, place.bodies);
         }
-        filled
+        rows
     }
 
     fn fill_manifold(&mut self, block: usize, lane: usize, friction: f32, manifold: &Manifold, warm_scale: f32) {

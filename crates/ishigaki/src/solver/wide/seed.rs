@@ -6,7 +6,7 @@
 //! and pyramids. Impulses that are there already stay. Only a guess: sweeps and corrections go on from it, and bodies
 //! that move are left alone. Option: `solver.wide.seed`; proved by `tests/wide.rs`.
 
-use crate::body::NO_HEIGHT;
+use crate::body::{BodyState, NO_HEIGHT};
 use crate::math::Vec3;
 use crate::solver::wide::batch::{Batch, Place, Source};
 
@@ -27,17 +27,16 @@ struct Bearer {
 impl Batch {
     /// Fills in the impulses of contacts between slow bodies that have none, for a substep of `h` seconds.
     pub(super) fn seed(&mut self, source: &Source<'_>, h: f32) {
-        let mut bearers = self.bearers(source, h);
-        let is_cold = |place: &Place| self.borne(place) == 0.0 && is_slow(place, &bearers);
-        if !self.places.iter().any(|place| is_cold(place) && upper_of(place, &bearers, source).is_some()) {
+        if !self.has_cold_stands(source) {
             return;
         }
+        let mut bearers = self.bearers(source, h);
         let up = -source.options.gravity.normalize_or_zero();
         for (name, upper) in self.top_down(&mut bearers, source) {
             let place = self.places[name as usize];
             let (above, below) = (place.bodies[upper] as usize, place.bodies[1 - upper] as usize);
             let mut borne = self.borne(&place);
-            if borne == 0.0 && is_slow(&place, &bearers) {
+            if borne == 0.0 && place.bodies.iter().all(|&body| bearers[body as usize].is_slow) {
                 let manifold = &source.contacts[place.contact as usize].manifolds[place.manifold as usize];
                 let normal: Vec3 = if upper == 0 { manifold.normal } else { -manifold.normal };
                 let bearer = &bearers[above];
@@ -53,17 +52,26 @@ impl Batch {
         }
     }
 
+    /// Whether a body that may be at rest stands on another without impulses.
+    fn has_cold_stands(&self, source: &Source<'_>) -> bool {
+        self.places.iter().any(|place| {
+            let contact = &source.contacts[place.contact as usize];
+            let is_cold = || contact.manifolds[place.manifold as usize].points.iter().all(|p| p.lambda_normal == 0.0);
+            let [a, b] = [contact.body_a, contact.body_b].map(|slot| source.bodies.at(slot));
+            a.height != b.height && is_cold() && is_slow(a, source) && is_slow(b, source)
+        })
+    }
+
     /// All bodies by their records, with their own weight. What does not move is slow, and of any height.
     fn bearers(&self, source: &Source<'_>, h: f32) -> Vec<Bearer> {
         let still = Bearer { height: NO_HEIGHT, is_slow: true, load: 0.0, supports: 0 };
         let mut bearers = vec![still; self.movers.records()];
-        let limit = SLOW * source.options.length_scale.sqrt();
         let weight = source.options.gravity.length() * h;
         for (record, slot) in self.movers.bodies() {
             let body = source.bodies.at(slot);
             bearers[record as usize] = Bearer {
                 height: body.height,
-                is_slow: body.velocity.length_squared() < limit * limit,
+                is_slow: is_slow(body, source),
                 load: weight * body.gravity_scale / body.inverse_mass,
                 supports: 0,
             };
@@ -104,7 +112,7 @@ impl Batch {
     }
 }
 
-/// Which of its bodies stands on the other, 0 or 1, and how high, if one does.
+/// Which of its bodies stands on the other, 0 or 1, and how high, if one that moves does.
 fn upper_of(place: &Place, bearers: &[Bearer], source: &Source<'_>) -> Option<(usize, usize)> {
     let contact = || &source.contacts[place.contact as usize];
     let height = |side: usize| match place.bodies[side] {
@@ -113,10 +121,13 @@ fn upper_of(place: &Place, bearers: &[Bearer], source: &Source<'_>) -> Option<(u
         body => bearers[body as usize].height,
     };
     let [a, b] = [height(0), height(1)];
-    (a != b && a != NO_HEIGHT && b != NO_HEIGHT).then_some((usize::from(b > a), a.max(b) as usize))
+    let upper = usize::from(b > a);
+    let stands = a != b && a != NO_HEIGHT && b != NO_HEIGHT && place.bodies[upper] != 0;
+    stands.then_some((upper, a.max(b) as usize))
 }
 
-/// Whether both of its bodies may be at rest.
-fn is_slow(place: &Place, bearers: &[Bearer]) -> bool {
-    place.bodies.iter().all(|&body| bearers[body as usize].is_slow)
+/// Whether it may be at rest.
+fn is_slow(body: &BodyState, source: &Source<'_>) -> bool {
+    let limit = SLOW * source.options.length_scale.sqrt();
+    body.velocity.length_squared() < limit * limit
 }
