@@ -14,6 +14,8 @@ pub(crate) struct Link {
     pub bodies: [u32; 2],
     /// How many manifolds it has.
     pub manifolds: u32,
+    /// Points of the first.
+    pub points: u8,
     nearness: Nearness,
     /// Neither body stirs, and no impulse of a step before is left: nothing changes it but waking.
     pub sleeps: bool,
@@ -100,6 +102,7 @@ impl Link {
         Self {
             bodies: [contact.body_a, contact.body_b],
             manifolds: contact.manifolds.len() as u32,
+            points: contact.manifolds.first().map_or(0, |manifold| manifold.points.len() as u8),
             nearness,
             sleeps,
             joins: a.is_active() && b.is_active(),

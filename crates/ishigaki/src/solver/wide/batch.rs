@@ -164,8 +164,8 @@ pub(crate) struct Source<'a> {
 
 impl Place {
     /// A manifold before it has a color.
-    pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32) -> Self {
-        Self { contact, manifold, bodies, island, domain: 0, size: Size::Four, is_round: false, lane: 0 }
+    pub fn new(contact: u32, manifold: u32, bodies: [u32; 2], island: u32, size: Size) -> Self {
+        Self { contact, manifold, bodies, island, domain: 0, size, is_round: false, lane: 0 }
     }
 
     /// Its block.
@@ -199,7 +199,7 @@ impl Batch {
         self.make_records();
         self.each(machine, |part| part.take_bodies(machine.level, source, h));
         self.joints.fill(&self.movers, source.joints, h, source.warm_scale);
-        self.color(source.contacts);
+        self.color();
         let solver = &source.options.solver;
         self.scales.clear();
         let own_scales = if solver.weight_amplification.enabled { self.blocks.len() } else { 0 };

@@ -4,7 +4,6 @@
 //! one domain, of about as many points, and between round bodies or not. Colors depend on islands and contacts alone,
 //! never on lanes or threads.
 
-use crate::collision::manifold::Contact;
 use crate::solver::wide::batch::{Batch, Place};
 use crate::solver::wide::contact_block::{ContactBlock, Size, TangentLanes};
 use crate::solver::wide::domain::KINDS;
@@ -23,7 +22,7 @@ const COLORS: usize = 64;
 impl Batch {
     /// Colors of the manifolds, and blocks for each domain, color and size. A line of its own in profiles.
     #[inline(never)]
-    pub(super) fn color(&mut self, contacts: &[Contact]) {
+    pub(super) fn color(&mut self) {
         self.find_round();
         self.used_colors.clear();
         self.used_colors.resize(self.movers.records(), 0);
@@ -43,7 +42,6 @@ impl Batch {
                 (color, own_color) = (own_color, own_color + 1);
             }
             let is_round = place.is_round && self.islands[place.island as usize].is_round();
-            let size = Size::of(contacts[place.contact as usize].manifolds[place.manifold as usize].points.len());
             let domain = self.domain_of(place.bodies);
             let counts_of = &mut self.domains[usize::from(domain)].counts_of;
             colors = colors.max(color as usize + 1);
@@ -51,7 +49,7 @@ impl Batch {
                 counts_of.resize(color as usize + 1, [0; KINDS]);
             }
             let place = &mut self.places[p];
-            (place.lane, place.size, place.is_round, place.domain) = (color, size, is_round, domain);
+            (place.lane, place.is_round, place.domain) = (color, is_round, domain);
             counts_of[color as usize][place.kind()] += 1;
         }
         self.make_blocks(colors);

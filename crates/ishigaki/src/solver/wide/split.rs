@@ -10,6 +10,7 @@ use crate::collision::link::Link;
 use crate::options::{DriftScheme, FrictionModel, Permutation, RotationScheme, WorldOptions};
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
+use crate::solver::wide::contact_block::Size;
 use crate::solver::wide::domain::Machine;
 use crate::solver::wide::lanes::LANES;
 use crate::union_find::{root, unite};
@@ -262,7 +263,12 @@ impl World {
             state.first_body = state.first_body.min(slot);
             state.manifolds += link.manifolds;
             let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
-            batch.places.extend((0..link.manifolds).map(|m| Place::new(index as u32, m, bodies, island)));
+            // Contacts are far apart, and of most the link has all that is asked.
+            batch.places.push(Place::new(index as u32, 0, bodies, island, Size::of(usize::from(link.points))));
+            for m in 1..link.manifolds {
+                let size = Size::of(self.contacts[index].manifolds[m as usize].points.len());
+                batch.places.push(Place::new(index as u32, m, bodies, island, size));
+            }
         }
     }
 }
