@@ -23,7 +23,8 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 //!
-//! The only unsafe code of the engine is here, in two places, under the eyes of Miri.
+//! The only unsafe code of the engine is here: who may share a [`Team`], and how a meeting is opened and joined, under the eyes
+//! of Miri.
 
 use std::any::Any;
 use std::cell::UnsafeCell;

@@ -42,13 +42,18 @@ pub(crate) fn insert_pairs(pairs: &mut Vec<Pair>, new: &[(u32, u32)]) {
 
 /// Takes the pairs with these indices out, which come in their order.
 pub(crate) fn remove_pairs(pairs: &mut Vec<Pair>, gone: impl Iterator<Item = usize>) {
+    // Up to the first of them all stay where they are.
     let (mut kept, mut next) = (0, 0);
     for index in gone {
-        pairs.copy_within(next..index, kept);
+        if kept < next {
+            pairs.copy_within(next..index, kept);
+        }
         (kept, next) = (kept + index - next, index + 1);
     }
-    pairs.copy_within(next.., kept);
-    pairs.truncate(kept + pairs.len() - next);
+    if kept < next {
+        pairs.copy_within(next.., kept);
+        pairs.truncate(kept + pairs.len() - next);
+    }
 }
 
 /// Puts the sorted `new` contacts into the sorted `contacts`, and empties `new`.

@@ -77,12 +77,12 @@ impl World {
     }
 
     fn drop_parted_pairs(&mut self) {
-        let Scratch { moves: parts, proxies, gone_pairs: gone, .. } = &mut self.scratch;
+        let Scratch { moves: parts, proxies, .. } = &mut self.scratch;
         let (pairs, contacts, bounds) = (&self.pairs[..], &self.contacts[..], &proxies.bounds[..]);
         parts.resize_with(self.workers.parts(pairs.len()), Moves::default);
         self.workers.in_parts(0..pairs.len(), parts, |indices, moves| {
             moves.parted.clear();
-            moves.ended.clear();
+            moves.has_ended = false;
             let mut rest = contacts;
             for (pair, index) in pairs[indices.clone()].iter().zip(indices) {
                 if bounds[pair.shape_a as usize][0].touch(&bounds[pair.shape_b as usize][0]) {
@@ -90,29 +90,15 @@ impl World {
                 }
                 moves.parted.push(index as u32);
                 rest = &rest[rest.partition_point(|contact| contact.key() < pair.key())..];
-                if rest.first().is_some_and(|contact| contact.key() == pair.key()) {
-                    moves.ended.push((contacts.len() - rest.len()) as u32);
-                }
+                moves.has_ended |= rest.first().is_some_and(|contact| contact.key() == pair.key());
             }
         });
-        gone.clear();
-        if parts.iter().all(|part| part.parted.is_empty()) {
-            return;
-        }
+        let has_ended = parts.iter().any(|part| part.has_ended);
         remove_pairs(&mut self.pairs, parts.iter().flat_map(|part| &part.parted).map(|&index| index as usize));
-        let mut ended = parts.iter().flat_map(|part| &part.ended).peekable();
-        if ended.peek().is_some() {
-            let mut indices = 0..;
-            self.contacts.retain(|contact| {
-                let ends = indices.next() == ended.peek().copied().copied();
-                if ends {
-                    ended.next();
-                    gone.extend(contact.touching.then_some((contact.shape_a, contact.shape_b, contact.sensor)));
-                }
-                !ends
-            });
+        if has_ended {
+            self.drop_contacts_without_pair();
+            self.end_gone_pairs();
         }
-        self.end_gone_pairs();
     }
 
     /// Drops pairs that joints, exclusions or groups no longer allow.
@@ -204,9 +190,10 @@ impl World {
 pub(crate) struct Moves {
     moved: Vec<u32>,
     planes: Vec<Plane>,
-    /// Indices of pairs whose bounds came apart, and of the contacts of these.
+    /// Indices of pairs whose bounds came apart.
     parted: Vec<u32>,
-    ended: Vec<u32>,
+    /// Some of them had contacts.
+    has_ended: bool,
 }
 
 /// By how much bounds are larger than shapes.
