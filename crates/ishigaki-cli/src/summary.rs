@@ -14,6 +14,9 @@ pub struct Record {
     stages: [Samples; Stage::ALL.len()],
     worst_penetration: f32,
     worst_joint_error: f32,
+    /// Multiply-adds, and what twelve visits to every row would have been.
+    work: u64,
+    work_budget: u64,
     non_finite: BTreeSet<BodyHandle>,
     last: StepReport,
 }
@@ -26,6 +29,8 @@ impl Record {
             stages: std::array::from_fn(|_| Samples::new()),
             worst_penetration: 0.0,
             worst_joint_error: 0.0,
+            work: 0,
+            work_budget: 0,
             non_finite: BTreeSet::new(),
             last: StepReport::default(),
         }
@@ -43,6 +48,8 @@ impl Record {
         }
         self.worst_penetration = self.worst_penetration.max(report.max_penetration);
         self.worst_joint_error = self.worst_joint_error.max(report.max_joint_error);
+        self.work += report.work;
+        self.work_budget += report.work_budget;
         self.non_finite.extend(&report.non_finite);
         self.last = report;
     }
@@ -65,6 +72,8 @@ impl Record {
                 max: nanoseconds_kept(self.step.max()),
             },
             stages_ms: std::array::from_fn(|i| (Stage::ALL[i].name(), nanoseconds_kept(self.stages[i].median()))),
+            work_per_step: self.work / steps.max(1),
+            work_over_budget: (self.work_budget > 0).then(|| self.work as f64 / self.work_budget as f64),
             contacts: last.contacts,
             rows: last.rows,
             max_penetration: last.max_penetration,
@@ -101,6 +110,10 @@ pub struct Summary {
     /// Medians over the steps that were taken.
     #[serde(serialize_with = "as_object")]
     stages_ms: [(&'static str, f64); Stage::ALL.len()],
+    /// Multiply-adds of the solver, the mean of all steps.
+    work_per_step: u64,
+    /// Over those of twelve visits to every row; nothing where there were no rows.
+    work_over_budget: Option<f64>,
     contacts: usize,
     rows: usize,
     max_penetration: f32,
@@ -154,6 +167,10 @@ impl Summary {
         lines.push(("bodies", format!("{}, {} asleep", self.bodies, self.asleep)));
         lines.push(("contacts", format!("{}, {} frozen", self.contacts, self.frozen)));
         lines.push(("rows", self.rows.to_string()));
+        if let Some(part) = self.work_over_budget {
+            let work = format!("{} multiply-adds a step, {part:.2} of 12 visits to each row", self.work_per_step);
+            lines.push(("solver work", work));
+        }
         lines.push(("penetration", worst(self.max_penetration, self.worst_penetration)));
         lines.push(("joint error", worst(self.max_joint_error, self.worst_joint_error)));
         lines.push(("greatest speed", format!("{:.4} m/s", self.max_speed)));

@@ -40,6 +40,8 @@ pub(crate) struct Scratch {
     pub has_woken: bool,
     /// Empty until a step asks for them.
     pub joint_links: Vec<JointLink>,
+    /// Of each body that was there then, made with them.
+    pub joint_ranks: Vec<u32>,
     pub joint_errors: JointErrors,
     pub roles: Vec<Role>,
     pub contact_sums: Vec<ContactSums>,

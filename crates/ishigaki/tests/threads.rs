@@ -107,6 +107,69 @@ fn a_large_island_is_the_same_on_any_number_of_threads() {
     }
 }
 
+/// A net that is cut into cells, with cones for every seventh joint, onto which boxes fall; and a heap of boxes with a few limbs among them, whose
+/// joints are not cut.
+#[test]
+fn joints_of_a_large_island_are_visited_in_one_order() {
+    let hash = |threads: usize, residual: bool| {
+        let mut world = World::default();
+        world.set_threads(threads).unwrap();
+        let mut options = world.options().clone();
+        options.report.residual = residual;
+        world.set_options(options).unwrap();
+        world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
+        let mut net = Vec::new();
+        for k in 0..48 * 48_u16 {
+            let at = Vec3::new(f32::from(k % 48), 20.0, f32::from(k / 48) - 24.0);
+            let shape = if k % 5 == 0 { Shape::cuboid(0.2, 0.3, 0.4) } else { Shape::ball(0.3) };
+            let body = if k % 48 == 0 { Body::fixed(shape) } else { Body::dynamic(shape) };
+            net.push(world.add_body(body.at(at)).unwrap());
+            let k = usize::from(k);
+            let mut tie = |other: usize, way: Vec3| {
+                let joint = Joint::ball_about(net[other], net[k], at - 0.5 * way, way);
+                world.add_joint(if k % 7 == 0 { joint.cone(0.4) } else { joint }).unwrap();
+            };
+            if k % 48 > 0 {
+                tie(k - 1, Vec3::X);
+                if k >= 48 {
+                    tie(k - 48, Vec3::Z);
+                }
+            }
+        }
+        for i in 0..40_u16 {
+            let at = Vec3::new(5.0 + f32::from(i), 20.8, f32::from(i % 7) - 3.0);
+            world.add_body(Body::dynamic(Shape::cuboid(0.4, 0.4, 0.4)).at(at)).unwrap();
+        }
+        for i in 0..800_u16 {
+            let at = Vec3::new(
+                f32::from(i % 10) * 1.01 - 20.0,
+                0.5 + f32::from(i / 100),
+                1.01 * f32::from(i / 10 % 10) + 3.0,
+            );
+            let box_at = |at: Vec3| Body::dynamic(Shape::cuboid(0.5, 0.5, 0.5)).at(at);
+            let body = world.add_body(box_at(at)).unwrap();
+            if i % 100 == 55 {
+                let limb = world.add_body(box_at(at + 9.0 * Vec3::Y)).unwrap();
+                world.add_joint(Joint::ball(body, limb, at + 4.5 * Vec3::Y)).unwrap();
+            }
+        }
+        let (mut work, mut residuals) = (0, Vec::new());
+        for _ in 0..40 {
+            let report = world.step(DT);
+            assert_eq!(report.wide_rows, report.rows);
+            work += report.work;
+            residuals.push(report.residual.to_bits());
+        }
+        (world.state_hash(), work, residuals)
+    };
+    for residual in [false, true] {
+        let alone = hash(1, residual);
+        for threads in [2, 3, 8] {
+            assert!(hash(threads, residual) == alone, "{threads} threads");
+        }
+    }
+}
+
 #[test]
 fn hooks_are_called_in_the_order_of_pairs() {
     struct Log(Vec<(ShapeId, ShapeId)>);

@@ -62,9 +62,18 @@ fn limbs(world: &mut World, edit: impl Fn(Joint) -> Joint) {
 
 /// A net of balls that hangs on one side and swings.
 fn net(world: &mut World) {
+    net_of(6, world);
+}
+
+/// One that is cut into cells.
+fn large_net(world: &mut World) {
+    net_of(48, world);
+}
+
+fn net_of(n: u16, world: &mut World) {
     let mut balls: Vec<BodyHandle> = Vec::new();
-    for i in 0..36_u16 {
-        let (x, z) = (i % 6, i / 6);
+    for i in 0..n * n {
+        let (x, z) = (i % n, i / n);
         let at = Vec3::new(0.5 * f32::from(x), 9.0, 0.5 * f32::from(z));
         let body = if x == 0 { Body::fixed(Shape::ball(0.1)) } else { Body::dynamic(Shape::ball(0.1)) };
         let ball = world.add_body(body.at(at)).unwrap();
@@ -75,7 +84,7 @@ fn net(world: &mut World) {
             tie(balls[usize::from(i) - 1], Vec3::X);
         }
         if z > 0 && x > 0 {
-            tie(balls[usize::from(i) - 6], Vec3::Z);
+            tie(balls[usize::from(i - n)], Vec3::Z);
         }
         balls.push(ball);
     }
@@ -137,7 +146,8 @@ fn one_step_is_that_of_the_reference() {
 
 #[test]
 fn joints_move_as_in_the_reference() {
-    let parts: [Scene; 7] = [
+    let parts: [Scene; 8] = [
+        ("large net", large_net),
         ("net", net),
         ("limbs", |w| limbs(w, |j| j)),
         ("cones", |w| limbs(w, |j| j.cone(0.1))),
@@ -157,7 +167,7 @@ fn joints_move_as_in_the_reference() {
         assert!(worst < 1e-4, "{name}: {worst}");
     }
     for (technique, edit) in techniques() {
-        let worst = disagreement(parts[6].1, |o| {
+        let worst = disagreement(parts[7].1, |o| {
             plain(o);
             edit(o);
         });

@@ -39,7 +39,8 @@ impl World {
             }
         }
         if self.scratch.joint_links.len() != self.joints.len() {
-            joint_link::collect(&self.joints, &self.bodies, &mut self.scratch.joint_links);
+            let Scratch { joint_links, joint_ranks, .. } = &mut self.scratch;
+            joint_link::collect(&self.joints, &self.bodies, joint_links, joint_ranks);
         }
         for link in &self.scratch.joint_links {
             is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);

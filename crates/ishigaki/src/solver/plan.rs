@@ -211,7 +211,9 @@ impl World {
         plan.blocks.clear();
         let scale = self.warm_start_scale(dt) / plan.share;
         let step = self.joint_step(dt / plan.substeps as f32);
-        for link in &self.scratch.joint_links {
+        let links = &self.scratch.joint_links;
+        for place in 0..links.len() {
+            let link = &links[plan.wide.joint_order.get(place).map_or(place, |&index| index as usize)];
             let [a, b] = link.bodies.map(|slot| self.scratch.roles[slot as usize]);
             let is_wide = link.bodies.iter().any(|&slot| plan.wide.takes(slot));
             if is_wide || !(a.active || b.active) || a.broken || b.broken {

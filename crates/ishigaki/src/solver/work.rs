@@ -25,7 +25,7 @@ pub struct Manifolds {
     pub reweighing: u64,
     /// u' += J'ᵀλ.
     pub warm_start: u64,
-    /// Biases before and after the motion.
+    /// Separations after the motion, and biases of them after it and before the next.
     pub measures: u64,
     /// How far from rest they are.
     pub looks: u64,
@@ -35,13 +35,15 @@ impl Manifolds {
     /// A manifold of `count` points more; `passes` over its normals in a visit.
     pub fn add(&mut self, count: u64, passes: u64) {
         let normals = 18 + count * 12 + passes * count * (count + 1);
-        let disk = 6 + 2 * 9 + 14 + 2 * 12;
-        let inner = (3 + 1) * INNER * count + count * (count - 1) / 2 * INNER;
-        self.visit += normals + count * disk;
-        self.rows += count * 3 * (12 + 18) + inner;
+        let disk = 2 * 6 + 14 + 2 * 6 + 2;
+        let sliding = 6 + 12;
+        // Directions are unit vectors and square to each other: rotations are all that is multiplied.
+        let inner = (3 + 1) * 6 * count + count * (count - 1) / 2 * 6;
+        self.visit += normals + sliding + count * disk;
+        self.rows += 2 * (27 + count * 27) + inner;
         self.reweighing += count * 3 * (18 + 18) + inner;
         self.warm_start += count * 3 * APPLY;
-        self.measures += 2 * 6 + count * 2 * VELOCITY;
+        self.measures += 9 + count * (6 + 6);
         self.looks += count * (3 * VELOCITY + 8);
     }
 }
@@ -56,8 +58,8 @@ pub const TURN_VISIT: u64 = 6 + 6 + 2;
 pub const FREE_PART: u64 = 3 * 6 + 9 + 3;
 /// Rows of a point at a pose: arms, J', K and its factors, arcs.
 pub const POINT_ROWS: u64 = 2 * 15 + 2 * 18 + 6 * 6 + 10 + 2 * 18;
-/// The same of round bodies, whose rows are arms.
-pub const ROUND_POINT_ROWS: u64 = 2 * 15 + 2 * 3 + 2 * 6 + 10 + 2 * 18;
+/// The same of round bodies, whose rows are arms and whose ω stays.
+pub const ROUND_POINT_ROWS: u64 = 2 * 15 + 2 * 3 + 2 * 6 + 10 + 2 * 12;
 /// Rows of twist and cone: frames, angles, J'.
 pub const RANGE_ROWS: u64 = 2 * 16 + 2 * 15 + 16 + 20 + 2 * 24;
 

@@ -19,25 +19,25 @@ struct Shares<'a, W, T>(ArrayVec<Mutex<Option<Share<'a, W, T>>>, MOST>);
 
 /// Calls `work` with a part of `whole` for each output, side by side on the threads of a team.
 pub(super) fn share_out<W: Cut, T: Send>(team: &Team, whole: W, outputs: &mut [T], work: &(impl Fn(W, &mut T) + Sync)) {
-    let shares = Shares::new(whole, outputs);
+    let mut shares = Shares(ArrayVec::new());
+    shares.fill(whole, outputs);
     team.meet(&|number| shares.take(number, team.threads(), work));
 }
 
 impl<'a, W: Cut, T: Send> Shares<'a, W, T> {
-    /// Shares with as many outputs each; there are some.
-    fn new(whole: W, outputs: &'a mut [T]) -> Self {
+    /// Shares with as many outputs each; there are some. They are filled where they are: moving room for all of them takes
+    /// longer than a meeting.
+    fn fill(&mut self, whole: W, outputs: &'a mut [T]) {
         let count = outputs.len().min(MOST);
         let (mut whole, mut outputs) = (whole, outputs);
-        let mut shares = ArrayVec::new();
         for left in (2..=count).rev() {
             let size = outputs.len() / left;
             let (first, rest) = whole.cut(size, outputs.len());
             let (of_first, of_rest) = outputs.split_at_mut(size);
-            shares.push(Mutex::new(Some((first, of_first))));
+            self.0.push(Mutex::new(Some((first, of_first))));
             (whole, outputs) = (rest, of_rest);
         }
-        shares.push(Mutex::new(Some((whole, outputs))));
-        Self(shares)
+        self.0.push(Mutex::new(Some((whole, outputs))));
     }
 
     /// Works on what nobody has taken yet, from the place of this thread on.

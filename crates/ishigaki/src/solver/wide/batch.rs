@@ -111,8 +111,10 @@ pub struct Batch {
     pub substeps: u32,
     /// Its parts, and last the seam between them.
     pub domains: Vec<Domain>,
-    /// Manifolds that may go to several domains, about: none if there are joints.
+    /// Manifolds that it will have, about.
     pub divisible: u32,
+    /// Joints that it will have.
+    pub joint_count: u32,
     /// Manifolds in the order of contacts.
     pub places: Vec<Place>,
     /// Indices of these, domain by domain.
@@ -135,12 +137,15 @@ pub struct Batch {
     pub outcome: Outcome,
     /// I^−½: xx, xy, xz, 0, yy, yz, zz, 0.
     pub roots: Vec<Record>,
-    /// I^½ as it was before bodies turned.
+    /// I^½ as it was before bodies turned; nothing without joints.
     pub old_roots: Vec<Record>,
     pub(super) used_colors: Vec<u64>,
     pub(super) sums: Vec<Sums>,
-    /// Of each block of bodies.
-    pub(super) domain_of_block: Vec<u8>,
+    /// Parts that its joints are visited in: `domain.rs`.
+    pub(super) cells: u8,
+    /// Of each block of bodies: its part, whether that is a cell, a domain or both.
+    pub(super) part_of_block: Vec<u8>,
+    pub(super) ranks_of_bodies: Vec<u32>,
     pub(super) centers: Vec<(Vec3, u32)>,
     pub(super) domain_of_body: Vec<u8>,
 }
@@ -186,19 +191,20 @@ impl Batch {
         self.places.clear();
         self.joints.clear();
         self.islands.clear();
-        self.divisible = 0;
+        (self.divisible, self.joint_count) = (0, 0);
     }
 
-    /// Bodies, colors, blocks, rows.
+    /// Bodies, colors, blocks, rows. A line of its own in profiles, as are others with this mark.
+    #[inline(never)]
     pub(crate) fn build(&mut self, machine: Machine<'_>, source: &Source<'_>) {
         let full = source.options.solver.substeps;
         self.substeps = if self.rests(source) { 1 } else { full };
         let source = &Source { warm_scale: source.warm_scale * full as f32 / self.substeps as f32, ..*source };
         let h = source.dt / self.substeps as f32;
-        self.joints.arrange(self.movers.records());
+        self.joints.arrange(self.movers.records(), usize::from(self.cells), &mut self.domains);
         self.make_records();
         self.each(machine, |part| part.take_bodies(machine.level, source, h));
-        self.joints.fill(&self.movers, source.joints, h, source.warm_scale);
+        self.fill_joints(machine, source, h);
         self.color();
         let solver = &source.options.solver;
         self.scales.clear();
@@ -226,11 +232,27 @@ impl Batch {
         rest.enabled && self.joints.is_empty() && self.movers.bodies().all(rests)
     }
 
+    /// Lanes of all joints.
+    fn fill_joints(&mut self, machine: Machine<'_>, source: &Source<'_>, h: f32) {
+        if self.joints.is_empty() {
+            return;
+        }
+        let fill = |part: &mut Part<'_>| part.fill_joints(source, h);
+        let of_cells = self.each(machine, fill);
+        let of_seam = self.seam().map(|mut seam| fill(&mut seam));
+        for filled in of_cells.into_iter().flatten().chain(of_seam) {
+            self.joints.rows += filled.rows;
+            self.joints.work += filled.work;
+        }
+    }
+
     fn make_records(&mut self) {
         for records in [&mut self.velocities, &mut self.carried, &mut self.displacements, &mut self.roots] {
             records.clear();
             records.resize(self.movers.records(), Record::default());
         }
+        let jointed = if self.joints.is_empty() { 0 } else { self.movers.records() };
+        self.old_roots.resize(jointed, Record::default());
     }
 
     fn amplify(&mut self, source: &Source<'_>) {

@@ -104,7 +104,7 @@ mod rows;
 mod visit;
 
 pub use prepare::{prepare, reweigh};
-use rows::{RowLanes, normal_velocities, point_velocity, push_all, push_normals, push_point, row_of};
+use rows::{RowLanes, Sliding, normal_velocities, point_velocity, push_all, push_normals, row_of, turn_point};
 pub use visit::{Unrest, inspect, visit};
 
 /// One point of eight manifolds.
@@ -123,7 +123,7 @@ pub struct PointLanes {
     pub lambda: Lane,
     /// At the start of the step, m; at its end after the last motion.
     pub separation: Lane,
-    /// Of the normal row in this substep, m/s.
+    /// Of the normal row in this substep, m/s; before its first look or visit, the separation as it is, m.
     pub bias: Lane,
     /// λ summed over the substeps, N·s.
     pub total: Lane,
@@ -285,6 +285,14 @@ impl<S: Simd> Masses<S> {
     }
 }
 
+impl<S: Simd> Masses<S> {
+    /// J'J'ᵀ of the linear part of a row, 1/kg.
+    #[inline(always)]
+    fn linear(&self) -> f32x8<S> {
+        self.root_a * self.push_a + self.root_b * self.push_b
+    }
+}
+
 /// The unit vectors of [`crate::math::tangents`], with the same operations.
 #[inline(always)]
 fn unit_tangents<S: Simd>(simd: S, n: V3<S>) -> [V3<S>; 2] {
@@ -332,7 +340,7 @@ fn warm_start_points<S: Simd, const N: usize>(
 pub enum Biases {
     /// They stay.
     Keep,
-    /// For the displacements as they are, with recovery.
+    /// With recovery, before the motion: for the separations as they are.
     Recover,
     /// Without recovery: the motion has been.
     Relax,
@@ -340,63 +348,108 @@ pub enum Biases {
     RelaxLast,
 }
 
-/// Biases of the normals for the displacements as they are.
+/// Separations of the points, m.
+pub type Separations = [Lane; POINTS];
+
+/// Separations for the displacements as they are.
 #[inline(always)]
-pub fn measure<S: Simd>(
+pub fn separations<S: Simd>(
     simd: S,
-    block: &mut ContactBlock,
+    block: &ContactBlock,
     tangents: Option<&TangentLanes>,
     displacements: &[Record],
-    pass: &SweepPass,
-    biases: Biases,
-) {
-    by_kind!(tangents, block.size, N => measure_points::<S, N>(simd, block, tangents, displacements, pass, biases))
+) -> Separations {
+    by_kind!(tangents, block.size, N => separations_of::<S, N>(simd, block, tangents, displacements))
 }
 
 #[inline(always)]
-fn measure_points<S: Simd, const N: usize>(
+fn separations_of<S: Simd, const N: usize>(
     simd: S,
-    block: &mut ContactBlock,
+    block: &ContactBlock,
     tangents: Option<&TangentLanes>,
     displacements: &[Record],
-    pass: &SweepPass,
-    biases: Biases,
-) {
+) -> Separations {
     let n = V3::load(simd, &block.normal);
     let moved = Sides::gather(simd, displacements, &block.body_a, &block.body_b);
     let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
     let ways = normal_velocities::<S, N>(simd, block, tangents, n, relative, &moved);
-    let zero = splat(simd, 0.0);
-    let h = splat(simd, pass.h);
-    let bears = mask32x8::from_bitmask(simd, block.bears.into());
-    let deadband = bears.select(splat(simd, pass.recovery.deadband), zero);
-    for (p, way) in block.points[..many::<N>(block.size)].iter_mut().zip(ways) {
-        let s = load(simd, &p.separation) + way;
-        let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
-        let gap = positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h;
-        let mut overlap = zero;
-        if biases == Biases::Recover {
-            let excess = positive(simd, -s - splat(simd, pass.recovery.slop));
-            let push = splat(simd, pass.recovery.rate) * excess / h;
-            let fastest = splat(simd, pass.recovery.max_speed);
-            overlap = -push.simd_lt(fastest).select(push, fastest);
-        }
-        store(s.simd_gt(zero).select(gap, overlap), &mut p.bias);
-        if biases == Biases::RelaxLast {
+    let mut separations = [ZERO; POINTS];
+    for i in 0..many::<N>(block.size) {
+        store(load(simd, &block.points[i].separation) + ways[i], &mut separations[i]);
+    }
+    separations
+}
+
+/// Biases of the normals before the motion, with recovery.
+#[inline(always)]
+pub fn recover<S: Simd>(simd: S, block: &mut ContactBlock, pass: &SweepPass) {
+    by_size!(block.size, N => recover_points::<S, N>(simd, block, pass))
+}
+
+#[inline(always)]
+fn recover_points<S: Simd, const N: usize>(simd: S, block: &mut ContactBlock, pass: &SweepPass) {
+    let deadband = deadband(simd, block, pass);
+    let (zero, h) = (splat(simd, 0.0), splat(simd, pass.h));
+    let (rate, fastest) = (splat(simd, pass.recovery.rate), splat(simd, pass.recovery.max_speed));
+    for p in &mut block.points[..many::<N>(block.size)] {
+        let s = load(simd, &p.bias);
+        let push = rate * positive(simd, -s - splat(simd, pass.recovery.slop)) / h;
+        let overlap = -push.simd_lt(fastest).select(push, fastest);
+        store(s.simd_gt(zero).select(gap_bias(simd, p, s, deadband, h), overlap), &mut p.bias);
+    }
+}
+
+/// Biases of the normals after the motion, without recovery; `is_last`: what was found becomes the separations that are
+/// stored.
+#[inline(always)]
+pub fn relax<S: Simd>(simd: S, block: &mut ContactBlock, separations: &Separations, pass: &SweepPass, is_last: bool) {
+    by_size!(block.size, N => relax_points::<S, N>(simd, block, separations, pass, is_last))
+}
+
+#[inline(always)]
+fn relax_points<S: Simd, const N: usize>(
+    simd: S,
+    block: &mut ContactBlock,
+    separations: &Separations,
+    pass: &SweepPass,
+    is_last: bool,
+) {
+    let deadband = deadband(simd, block, pass);
+    let (zero, h) = (splat(simd, 0.0), splat(simd, pass.h));
+    for i in 0..many::<N>(block.size) {
+        let (p, s) = (&mut block.points[i], load(simd, &separations[i]));
+        store(s.simd_gt(zero).select(gap_bias(simd, p, s, deadband, h), zero), &mut p.bias);
+        if is_last {
             store(s, &mut p.separation);
         }
     }
 }
 
-/// Adds λ to the sums over the substeps.
+/// Gaps up to this part of a substep's speed leave support as it is, m.
 #[inline(always)]
-pub fn add_up<S: Simd>(simd: S, block: &mut ContactBlock) {
-    by_size!(block.size, N => add_up_points::<S, N>(simd, block))
+fn deadband<S: Simd>(simd: S, block: &ContactBlock, pass: &SweepPass) -> f32x8<S> {
+    let bears = mask32x8::from_bitmask(simd, block.bears.into());
+    bears.select(splat(simd, pass.recovery.deadband), splat(simd, 0.0))
+}
+
+/// The speed at which a gap `s` may close: `penetration_recovery.rs`.
+#[inline(always)]
+fn gap_bias<S: Simd>(simd: S, p: &PointLanes, s: f32x8<S>, deadband: f32x8<S>, h: f32x8<S>) -> f32x8<S> {
+    let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
+    positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h
+}
+
+/// The end of a substep: λ adds to the sums, and the separations are those of the next.
+#[inline(always)]
+pub fn leave<S: Simd>(simd: S, block: &mut ContactBlock, separations: &Separations) {
+    by_size!(block.size, N => leave_points::<S, N>(simd, block, separations))
 }
 
 #[inline(always)]
-fn add_up_points<S: Simd, const N: usize>(simd: S, block: &mut ContactBlock) {
-    for p in &mut block.points[..many::<N>(block.size)] {
+fn leave_points<S: Simd, const N: usize>(simd: S, block: &mut ContactBlock, separations: &Separations) {
+    for i in 0..many::<N>(block.size) {
+        let p = &mut block.points[i];
         store(load(simd, &p.total) + load(simd, &p.lambda), &mut p.total);
+        p.bias = separations[i];
     }
 }

@@ -1,16 +1,20 @@
-//! Domains: parts of a large batch for several threads. Bodies that lie together are of one domain; manifolds between
-//! bodies of two domains are the *seam*.
+//! Domains: parts of a large batch for several threads. Bodies that lie together are of one domain; manifolds and joints
+//! between bodies of two domains are the *seam*.
 //!
 //! Domains share no body that moves: threads visit the manifolds of one color in all of them side by side, each core with
 //! its own in its cache, and the seam's of that color after them. Manifolds of one color may be visited in any order, so
 //! that domains change no bit, however many there are: as many as the machine has threads.
+//!
+//! Joints are visited in an order of their own (`joints.rs`), which cuts do change. A batch with many is cut into *cells* by
+//! what it is, not by threads, where bodies hang on others (`joint_link.rs`): joints within cells come first, then those of
+//! the seam. One thread takes all cells as one domain, several take each cell as one.
 
 use crate::body::BodyState;
 use crate::handle::Arena;
 use crate::math::Vec3;
 use crate::solver::wide::batch::{Batch, Place};
 use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, TangentLanes};
-use crate::solver::wide::joints::Joints;
+use crate::solver::wide::joint_part::{JointPart, split};
 use crate::solver::wide::lanes::{LANES, Lane, Record};
 use crate::solver::wide::mover::MoverBlock;
 use crate::threads::{Cut, Workers};
@@ -21,6 +25,9 @@ use std::ops::Range;
 const MANIFOLDS: usize = 300;
 /// Domains of a batch, at most.
 const MOST: usize = 16;
+/// Joints of a cell, at least, and cells of a batch, at most: a load passes one seam in a sweep.
+const JOINTS: usize = 2000;
+const CELLS: usize = 2;
 /// Blocks of a color that are not worth a second thread.
 const FEW: usize = 5;
 /// Places that are summed up in one go.
@@ -63,8 +70,26 @@ pub struct Domain {
     pub colors: Vec<Range<usize>>,
     /// Tangent rows of these.
     pub tangents: Range<usize>,
+    /// Where its joints are named in the list of those of all cells.
+    pub joints: Range<usize>,
+    /// Blocks of these, wave by wave.
+    pub joint_blocks: Range<usize>,
+    /// What these ask of rotations.
+    pub turns: Range<usize>,
     /// By color and kind: first how many manifolds, then the lane of the next.
     pub(super) counts_of: Vec<[u32; KINDS]>,
+}
+
+impl Domain {
+    /// Nothing is in it, but room stays.
+    fn forget(&mut self) {
+        for range in [&mut self.manifolds, &mut self.blocks, &mut self.tangents] {
+            *range = 0..0;
+        }
+        for range in [&mut self.joints, &mut self.joint_blocks, &mut self.turns] {
+            *range = 0..0;
+        }
+    }
 }
 
 /// Σλ_n, N·s, and unrest, J, of some manifolds.
@@ -83,6 +108,8 @@ pub(super) struct Part<'a> {
     pub carried: &'a mut [Record],
     pub displacements: &'a mut [Record],
     pub roots: &'a mut [Record],
+    /// Nothing but where there are joints.
+    pub old_roots: &'a mut [Record],
     /// All of the batch.
     pub places: &'a [Place],
     /// Which of them are at hand.
@@ -92,7 +119,7 @@ pub(super) struct Part<'a> {
     pub unrest: &'a mut [Lane],
     /// Of the blocks, or one for all.
     pub scales: &'a [ScaleLanes],
-    pub joints: &'a Joints,
+    pub joints: JointPart<'a>,
 }
 
 impl<'a> Part<'a> {
@@ -131,10 +158,12 @@ impl Cut for Part<'_> {
         let (carried, other_carried) = self.carried.split_at_mut(record);
         let (displacements, other_displacements) = self.displacements.split_at_mut(record);
         let (roots, other_roots) = self.roots.split_at_mut(record);
+        let (old_roots, other_old_roots) = split(self.old_roots, record);
         let (manifolds, other_manifolds) = self.manifolds.split_at(manifold);
         let (blocks, other_blocks) = self.blocks.split_at_mut(block);
         let (tangents, other_tangents) = self.tangents.split_at_mut(next.tangents.start - first.tangents.start);
         let (unrest, other_unrest) = self.unrest.split_at_mut(block);
+        let (joints, other_joints) = self.joints.cut(first, next);
         let one_for_all = self.scales.len() == 1;
         let (scales, other_scales) = if one_for_all { (self.scales, self.scales) } else { self.scales.split_at(block) };
         let other = Part {
@@ -145,13 +174,14 @@ impl Cut for Part<'_> {
             carried: other_carried,
             displacements: other_displacements,
             roots: other_roots,
+            old_roots: other_old_roots,
             places: self.places,
             manifolds: other_manifolds,
             blocks: other_blocks,
             tangents: other_tangents,
             unrest: other_unrest,
             scales: other_scales,
-            joints: self.joints,
+            joints: other_joints,
         };
         let part = Part {
             domains,
@@ -161,48 +191,88 @@ impl Cut for Part<'_> {
             carried,
             displacements,
             roots,
+            old_roots,
             places: self.places,
             manifolds,
             blocks,
             tangents,
             unrest,
             scales,
-            joints: self.joints,
+            joints,
         };
         (part, other)
     }
 }
 
 impl Batch {
-    /// Sorts bodies into so many domains, if they are worth it; what has joints is one.
-    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, domains: usize) {
-        let domains = (self.divisible as usize / MANIFOLDS).min(domains).clamp(1, MOST);
-        self.domains.resize_with(domains + 1, Domain::default);
+    /// How large it is, about, beside others.
+    pub(crate) fn size(&self) -> usize {
+        (self.divisible + self.joint_count) as usize
+    }
+
+    /// Sorts bodies into domains, if they are worth it, for a share of so many threads.
+    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, joint_ranks: &[u32], share: usize) {
+        let cells = (self.joint_count as usize / JOINTS).clamp(1, CELLS);
+        let domains = if cfg!(feature = "threads") { self.divisible as usize / MANIFOLDS } else { 1 };
+        let parts = if cells > 1 { cells } else { domains.min(share).clamp(1, MOST) };
+        self.domain_of_body.resize(self.movers.slots.len() - 1, 0);
         let mut first_records = [0; MOST];
-        if domains > 1 {
-            let Self { movers, centers, domain_of_body, .. } = self;
-            centers.clear();
-            centers.extend(movers.slots[1..].iter().zip(0..).map(|(&slot, index)| (bodies.at(slot).center, index)));
-            domain_of_body.resize(centers.len(), 0);
-            let mut numbers = 0..;
-            bisect(centers, domains, &mut |centers| {
-                let number = numbers.next().unwrap_or_default();
-                centers.iter().for_each(|&(_, index)| domain_of_body[index as usize] = number);
-            });
-            movers.arrange(domain_of_body, &mut first_records[..domains]);
+        let first_records = &mut first_records[..parts];
+        if cells > 1 {
+            self.cut_branches(joint_ranks, cells);
+        } else if cfg!(feature = "threads") && parts > 1 {
+            self.cut_space(bodies, parts);
+        }
+        if parts > 1 {
+            self.movers.arrange(&self.domain_of_body, first_records);
         }
         self.movers.make_blocks();
-        let mut end = self.movers.records();
+        let end = self.movers.records();
+        self.part_of_block.clear();
+        for (next, part) in first_records.iter().skip(1).chain([&end]).zip(0..) {
+            self.part_of_block.resize(next / LANES, part);
+        }
+        self.cells = cells as u8;
+        let domains = if share > 1 { parts } else { 1 };
+        self.domains.resize_with(domains + 1, Domain::default);
+        for domain in &mut self.domains {
+            domain.forget();
+        }
         self.domains[domains].records = 0..end;
-        for (domain, &first) in self.domains[..domains].iter_mut().zip(&first_records).rev() {
+        let mut end = end;
+        for (domain, &first) in self.domains[..domains].iter_mut().zip(&*first_records).rev() {
             domain.records = first..end;
             end = first;
         }
-        self.domain_of_block.clear();
-        for (domain, k) in self.domains.iter_mut().zip(0..) {
-            (domain.manifolds, domain.blocks, domain.tangents) = (0..0, 0..0, 0..0);
-            self.domain_of_block.resize(domain.records.end / LANES, k);
+    }
+
+    /// Parts of as many bodies each, where branches of joints end.
+    fn cut_branches(&mut self, ranks: &[u32], parts: usize) {
+        let last = ranks.last().copied().unwrap_or_default();
+        let rank_of = |&slot: &u32| ranks.get(slot as usize).copied().unwrap_or(last);
+        let Self { movers, ranks_of_bodies, domain_of_body, .. } = self;
+        ranks_of_bodies.clear();
+        ranks_of_bodies.extend(movers.slots[1..].iter().map(rank_of));
+        domain_of_body.fill(0);
+        for part in 1..parts {
+            let place = ranks_of_bodies.len() * part / parts;
+            let first = *ranks_of_bodies.select_nth_unstable(place).1;
+            for (domain, slot) in domain_of_body.iter_mut().zip(&movers.slots[1..]) {
+                *domain += u8::from(rank_of(slot) >= first);
+            }
         }
+    }
+
+    /// Parts of as many bodies each, that lie together.
+    fn cut_space(&mut self, bodies: &Arena<BodyState>, parts: usize) {
+        let Self { movers, centers, domain_of_body, .. } = self;
+        centers.clear();
+        centers.extend(movers.slots[1..].iter().zip(0..).map(|(&slot, index)| (bodies.at(slot).center, index)));
+        let mut numbers = 0..;
+        bisect(centers, parts, &mut |centers| {
+            let number = numbers.next().unwrap_or_default();
+            centers.iter().for_each(|&(_, index)| domain_of_body[index as usize] = number);
+        });
     }
 
     /// How many domains there are, the seam aside.
@@ -210,17 +280,28 @@ impl Batch {
         if cfg!(feature = "threads") { self.domains.len() - 1 } else { 1 }
     }
 
-    /// The domain of both bodies, or the seam.
-    pub(super) fn domain_of(&self, bodies: [u32; 2]) -> u8 {
-        let of_body = |body: u32| self.domain_of_block[body as usize / LANES];
+    /// The part of both bodies, if it is the same.
+    fn part_of(&self, bodies: [u32; 2]) -> Option<u8> {
+        let of_body = |body: u32| self.part_of_block[body as usize / LANES];
         match bodies {
-            [0, body] | [body, 0] => of_body(body),
-            [a, b] if of_body(a) == of_body(b) => of_body(a),
-            _ => self.divided() as u8,
+            [0, body] | [body, 0] => Some(of_body(body)),
+            [a, b] => Some(of_body(a)).filter(|&part| part == of_body(b)),
         }
     }
 
-    /// What `domains` have of the arrays.
+    /// The cell of both bodies, or the seam.
+    pub(super) fn cell_of(&self, bodies: [u32; 2]) -> u8 {
+        if self.cells == 1 { 0 } else { self.part_of(bodies).unwrap_or(self.cells) }
+    }
+
+    /// The domain of both bodies, or the seam.
+    pub(super) fn domain_of(&self, bodies: [u32; 2]) -> u8 {
+        let domains = self.divided() as u8;
+        if domains == 1 { 0 } else { self.part_of(bodies).unwrap_or(domains) }
+    }
+
+    /// What `domains` have of the arrays. Many lists: written out wherever it is asked for, it would be a tenth of the engine.
+    #[inline(never)]
     fn part(&mut self, domains: Range<usize>) -> Part<'_> {
         let domains = &self.domains[domains];
         let (first, last) = (&domains[0], &domains[domains.len() - 1]);
@@ -232,14 +313,15 @@ impl Batch {
             velocities: &mut self.velocities[records.clone()],
             carried: &mut self.carried[records.clone()],
             displacements: &mut self.displacements[records.clone()],
-            roots: &mut self.roots[records],
+            old_roots: if self.old_roots.is_empty() { &mut [] } else { &mut self.old_roots[records.clone()] },
+            roots: &mut self.roots[records.clone()],
             places: &self.places,
             manifolds: &self.manifolds[first.manifolds.start..last.manifolds.end],
             blocks: &mut self.blocks[blocks.clone()],
             tangents: &mut self.tangents[first.tangents.start..last.tangents.end],
             unrest: &mut self.unrest[blocks.clone()],
             scales: if self.scales.len() == 1 { &self.scales } else { &self.scales[blocks] },
-            joints: &self.joints,
+            joints: JointPart::new(&mut self.joints, domains, records),
             domains,
         }
     }
@@ -300,9 +382,21 @@ impl Batch {
         if !cfg!(feature = "threads") {
             return None;
         }
-        let seam = self.divided();
-        let is_empty = self.domains[seam].manifolds.is_empty();
-        (!is_empty).then(|| self.part(seam..seam + 1))
+        let number = self.divided();
+        let seam = &self.domains[number];
+        let is_empty = seam.manifolds.is_empty() && seam.joints.is_empty();
+        (!is_empty).then(|| self.part(number..number + 1))
+    }
+
+    /// Calls `work` with the joints of each domain, then with those of the seam; or the other way around.
+    pub(super) fn each_joint(&mut self, machine: Machine<'_>, reversed: bool, work: impl Fn(&mut Part<'_>) + Sync) {
+        if !reversed {
+            return self.each_and_seam(machine, work);
+        }
+        if let Some(mut seam) = self.seam() {
+            work(&mut seam);
+        }
+        self.each(machine, work);
     }
 
     /// Loads and unrest of the islands.

@@ -1,27 +1,24 @@
 //! Joints of a batch: from the world into blocks, over the substeps, and back.
 //!
-//! A joint is in the wave after the last one that shares a moving body with it, in the order of joints: all of a wave are
-//! independent, and waves one after the other are the visits of the reference, to the bit of what rounding leaves.
-//! Colors would fill lanes as well, but carry a load over a few joints in a sweep; along the order of joints it passes
-//! through a whole chain.
+//! Joints are visited level by level, outward from what does not move (`joint_link.rs`), and on a level wave by wave: those
+//! of a wave share no body that moves. Colors of all joints at once would fill lanes as well, but carry a load over a few
+//! joints in a sweep; along levels it passes through a whole net, whatever the order in which its joints were added.
+//!
+//! A large batch is cut into cells (`domain.rs`): its joints come cell by cell, and those of the seam after all cells.
+//! Several threads take cells side by side.
 
 use crate::body::BodyState;
-use crate::constraint::joint::{Joint, JointKind, Range};
-use crate::constraint::part::limit_motor::middle;
+use crate::constraint::joint::{Joint, JointKind, Range as AngleRange};
 use crate::handle::Arena;
 use crate::math::{Quat, Vec3};
 use crate::solver::joint_link::JointLink;
-use crate::solver::wide::joint_block::{
-    self as kernel, Aim, CONE, DAMPING, FRICTION, JointBlock, JointPass, Parts, TWIST, TurnLanes,
-};
-use crate::solver::wide::lanes::{LANES, Lane, Record, get, set, splat, store};
-use crate::solver::wide::mover::{MoverBlock, Movers};
-use crate::solver::wide::moving;
+use crate::solver::wide::domain::Domain;
+use crate::solver::wide::joint_block::{self as kernel, CONE, DAMPING, FRICTION, JointBlock, Parts, TWIST, TurnLanes};
+use crate::solver::wide::lanes::{LANES, Record, get};
 use crate::solver::work;
 use crate::step::JointErrors;
 use crate::world::JointState;
-use fearless_simd::prelude::*;
-use fearless_simd::{Level, dispatch};
+use std::ops::Range;
 
 /// Where a joint is.
 #[derive(Clone, Copy, Debug)]
@@ -30,11 +27,14 @@ pub struct JointPlace {
     pub joint: u32,
     /// Its bodies in the batch; 0 for what does not move.
     pub bodies: [u32; 2],
-    poses: [u32; 2],
+    pub(super) poses: [u32; 2],
+    /// Of its joint; then its wave among those of its cell.
     wave: u32,
+    /// The cell of its bodies, or the seam: `domain.rs`.
+    pub cell: u8,
     kind: u8,
-    block: u32,
-    lane: u32,
+    pub(super) block: u32,
+    pub(super) lane: u32,
 }
 
 /// Multiply-adds of joints, counted once a step.
@@ -48,6 +48,35 @@ pub struct JointWork {
     pub rows: u64,
 }
 
+/// Joints of a cell, or of the seam.
+#[derive(Clone, Debug, Default)]
+struct Cell {
+    names: Range<usize>,
+    blocks: Range<usize>,
+    turns: Range<usize>,
+    /// By wave and kind: first how many joints, then the first block.
+    counts: Vec<[u32; Parts::KINDS]>,
+    /// The level at which it is, and its first wave.
+    level: u32,
+    first_wave: u32,
+}
+
+/// A body while joints are dealt out to waves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Mark {
+    /// One more than the level of its last joint; 0 if it has none.
+    level: u32,
+    /// Waves of this level in which it is.
+    waves: u64,
+}
+
+impl Mark {
+    /// It has joints.
+    pub fn is_joined(self) -> bool {
+        self.level > 0
+    }
+}
+
 /// All joints of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
@@ -56,18 +85,25 @@ pub struct Joints {
     /// Wave by wave.
     pub blocks: Vec<JointBlock>,
     /// What some of them ask of rotations.
-    turns: Vec<TurnLanes>,
+    pub(super) turns: Vec<TurnLanes>,
+    /// Places of those of each cell, one cell after the other, and of the seam.
+    pub(super) names: Vec<u32>,
+    cells: Vec<Cell>,
     /// Rows of the reference that they would be.
     pub rows: u32,
     /// Centers and rotations: the movers, then what does not move.
-    poses: Vec<Record>,
+    pub(super) poses: Vec<Record>,
     still: Vec<Record>,
     /// Angular velocity and free angular acceleration of the movers.
-    spins: Vec<Record>,
+    pub(super) spins: Vec<Record>,
     /// Velocities of the recovery by poses.
-    pushes: Vec<Record>,
-    waves: Vec<u32>,
-    counts: Vec<[u32; Parts::KINDS]>,
+    pub(super) pushes: Vec<Record>,
+    /// Of each body.
+    pub(super) marks: Vec<Mark>,
+    /// Places, level by level.
+    by_level: Vec<u32>,
+    /// How many places are on a level, then where those of the next begin.
+    of_level: Vec<u32>,
     /// Multiply-adds of a sweep, of one of the recovery by poses, and of rows at a pose.
     pub work: JointWork,
 }
@@ -89,11 +125,11 @@ pub fn kind(joint: &Joint) -> u8 {
 
 /// What a ball joint has beside the point.
 #[derive(Clone, Copy)]
-struct BallParts {
-    cone: Option<f32>,
-    twist: Option<Range>,
-    friction: f32,
-    damping: f32,
+pub(super) struct BallParts {
+    pub cone: Option<f32>,
+    pub twist: Option<AngleRange>,
+    pub friction: f32,
+    pub damping: f32,
 }
 
 impl BallParts {
@@ -111,7 +147,7 @@ impl BallParts {
 
     /// Of a joint with a place: where the place says that there is nothing, the definition, which lies far from what a
     /// step needs of a joint, is not looked at.
-    fn at(place: &JointPlace, joint: &JointState) -> Self {
+    pub fn at(place: &JointPlace, joint: &JointState) -> Self {
         if place.kind == 0 { Self::NONE } else { Self::of(&joint.definition) }
     }
 
@@ -121,7 +157,7 @@ impl BallParts {
 }
 
 /// A number of a lane, in the order in which a joint keeps its impulses: `constraint/ball.rs`.
-fn each_impulse(
+pub(super) fn each_impulse(
     ball: &BallParts,
     block: &mut JointBlock,
     turns: Option<&mut TurnLanes>,
@@ -148,30 +184,40 @@ fn pose_record(center: Vec3, rotation: Quat) -> Record {
     Record([center.x, center.y, center.z, 0.0, rotation.x, rotation.y, rotation.z, rotation.w])
 }
 
-fn fill_turns(turns: &mut TurnLanes, lane: usize, ball: &BallParts, frames: [Quat; 2], h: f32) {
-    for (lanes, frame) in turns.frames.iter_mut().zip(frames) {
-        for (lanes, value) in lanes.iter_mut().zip(frame.to_array()) {
-            lanes[lane] = value;
+impl Cell {
+    /// A wave for a joint on this level, after those of lower levels: the first one that its bodies are not in.
+    fn deal(&mut self, place: &mut JointPlace, level: u32, marks: &mut [Mark]) {
+        if self.level != level || self.counts.is_empty() {
+            (self.level, self.first_wave) = (level, self.counts.len() as u32);
         }
-    }
-    if let Some(cone) = ball.cone {
-        turns.ranges[CONE].limits[1][lane] = cone;
-    }
-    if let Some(twist) = &ball.twist {
-        let range = &mut turns.ranges[TWIST];
-        (range.limits[0][lane], range.limits[1][lane]) = (twist.lower, twist.upper);
-        range.middle[lane] = middle(Some(twist));
-    }
-    turns.drags[FRICTION].reach[lane] = h * ball.friction;
-    let softness = 1.0 / (h * ball.damping);
-    if softness.is_finite() {
-        (turns.drags[DAMPING].softness[lane], turns.drags[DAMPING].reach[lane]) = (softness, f32::INFINITY);
+        let mut taken = 0_u64;
+        for &body in place.bodies.iter().filter(|&&b| b != 0) {
+            let mark = &mut marks[body as usize];
+            if mark.level != level + 1 {
+                *mark = Mark { level: level + 1, waves: 0 };
+            }
+            taken |= mark.waves;
+        }
+        place.wave = match taken.trailing_ones() {
+            // All are taken: it gets one of its own.
+            u64::BITS => self.counts.len() as u32,
+            free => {
+                place.bodies.iter().filter(|&&b| b != 0).for_each(|&b| marks[b as usize].waves |= 1 << free);
+                self.first_wave + free
+            }
+        };
+        if self.counts.len() <= place.wave as usize {
+            self.counts.resize(place.wave as usize + 1, [0; Parts::KINDS]);
+        }
+        let count = &mut self.counts[place.wave as usize][usize::from(place.kind)];
+        place.lane = *count;
+        *count += 1;
     }
 }
 
 impl JointWork {
     /// A joint more, in this lane, with the impulses it had when the step began.
-    fn add(&mut self, block: &JointBlock, turns: Option<&TurnLanes>, lane: usize) {
+    pub(super) fn add(&mut self, block: &JointBlock, turns: Option<&TurnLanes>, lane: usize) {
         let (point, rows) = match block.is_round {
             true => (work::ROUND_POINT, work::ROUND_POINT_ROWS),
             false => (work::POINT, work::POINT_ROWS),
@@ -193,12 +239,20 @@ impl JointWork {
     }
 }
 
+impl std::ops::AddAssign for JointWork {
+    fn add_assign(&mut self, other: Self) {
+        self.sweep += other.sweep;
+        self.recovery += other.recovery;
+        self.rows += other.rows;
+    }
+}
+
 impl Joints {
     /// Forgets all.
     pub fn clear(&mut self) {
         self.places.clear();
         self.still.clear();
-        self.waves.clear();
+        self.marks.clear();
         self.rows = 0;
         self.work = JointWork::default();
     }
@@ -208,13 +262,8 @@ impl Joints {
         self.places.is_empty()
     }
 
-    /// Whether a body has any, once they are built.
-    pub fn has(&self, body: u32) -> bool {
-        self.waves.get(body as usize).is_some_and(|&waves| waves > 0)
-    }
-
     /// Adds a joint; `bodies` are their indices in the batch.
-    pub(crate) fn add(&mut self, link: &JointLink, bodies: [u32; 2], world: &Arena<BodyState>) {
+    pub(crate) fn add(&mut self, link: &JointLink, bodies: [u32; 2], cell: u8, world: &Arena<BodyState>) {
         // What does not move has its pose after those of the movers, whose number is not known yet.
         let mut poses = bodies;
         for (pose, end) in poses.iter_mut().zip(link.bodies) {
@@ -224,156 +273,136 @@ impl Joints {
                 *pose = u32::MAX - (self.still.len() as u32 - 1);
             }
         }
-        let JointLink { joint, kind, .. } = *link;
-        self.places.push(JointPlace { joint, bodies, poses, wave: 0, kind, block: 0, lane: 0 });
+        let JointLink { joint, kind, level, .. } = *link;
+        self.places.push(JointPlace { joint, bodies, poses, wave: level, cell, kind, block: 0, lane: 0 });
     }
 
-    /// Waves and blocks, among so many records. A line of its own in profiles.
+    /// Waves and blocks, among so many records; which of them are of which domain, where bodies are of so many cells.
+    /// A line of its own in profiles.
     #[inline(never)]
-    pub(crate) fn arrange(&mut self, records: usize) {
+    pub(crate) fn arrange(&mut self, records: usize, cells: usize, domains: &mut [Domain]) {
+        self.turns.clear();
         if self.is_empty() {
             self.blocks.clear();
-            self.turns.clear();
+            self.names.clear();
+            for list in [&mut self.poses, &mut self.spins, &mut self.pushes] {
+                list.clear();
+            }
             return;
         }
+        self.cells.resize_with(cells + 1, Cell::default);
         self.make_waves(records);
+        self.make_blocks();
+        self.name_joints();
+        self.share_out(domains);
         // Whatever is in them is written over before it is read.
         for records_of in [&mut self.poses, &mut self.spins, &mut self.pushes] {
             records_of.resize(records, Record::default());
         }
         self.poses.append(&mut self.still);
-        self.work = JointWork::default();
     }
 
-    /// Lanes of all joints, for substeps of `h` seconds; `scale` makes first impulses of stored ones.
-    pub(crate) fn fill(&mut self, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
-        for p in 0..self.places.len() {
-            self.fill_joint(p, movers, joints, h, scale);
-        }
-        for place in &self.places {
-            let block = &self.blocks[place.block as usize];
-            self.work.add(block, self.turns.get(block.turns as usize), place.lane as usize);
+    /// Which joints are of which domain: of each cell's its own, or all of one. One cell among several domains is theirs
+    /// together, as the seam is.
+    fn share_out(&self, domains: &mut [Domain]) {
+        let (cells, last) = (self.cells.len(), domains.len() - 1);
+        let ends = self.cells.iter().map(|cell| (cell.names.end, cell.blocks.end, cell.turns.end));
+        let mut end = (0, 0, 0);
+        for (number, next) in ends.enumerate() {
+            let domain = &mut domains[if last == 1 {
+                0
+            } else if cells == 2 {
+                last
+            } else {
+                number
+            }];
+            if domain.joints.is_empty() {
+                (domain.joints.start, domain.joint_blocks.start, domain.turns.start) = end;
+            }
+            (domain.joints.end, domain.joint_blocks.end, domain.turns.end) = next;
+            end = next;
         }
     }
 
+    /// Waves of each cell and of the seam, level by level.
     fn make_waves(&mut self, records: usize) {
-        self.waves.clear();
-        self.waves.resize(records, 0);
-        self.counts.clear();
         let first_still = records as u32;
+        self.of_level.clear();
         for place in &mut self.places {
             for pose in &mut place.poses {
                 if *pose >= first_still {
                     *pose = first_still + (u32::MAX - *pose);
                 }
             }
-            let moving = place.bodies.iter().filter(|&&b| b != 0);
-            let wave = moving.clone().map(|&b| self.waves[b as usize]).max().unwrap_or(0);
-            moving.for_each(|&b| self.waves[b as usize] = wave + 1);
-            place.wave = wave;
-            if self.counts.len() <= wave as usize {
-                self.counts.resize(wave as usize + 1, [0; Parts::KINDS]);
+            if self.of_level.len() <= place.wave as usize {
+                self.of_level.resize(place.wave as usize + 1, 0);
             }
-            let count = &mut self.counts[wave as usize][usize::from(place.kind)];
-            place.lane = *count;
-            *count += 1;
+            self.of_level[place.wave as usize] += 1;
         }
-        self.make_blocks();
-        for place in &mut self.places {
-            place.block = self.counts[place.wave as usize][usize::from(place.kind)] + place.lane / LANES as u32;
-            place.lane %= LANES as u32;
+        let mut first = 0;
+        for count in &mut self.of_level {
+            (*count, first) = (first, first + *count);
+        }
+        self.by_level.resize(self.places.len(), 0);
+        for (place, name) in self.places.iter().zip(0..) {
+            let next = &mut self.of_level[place.wave as usize];
+            self.by_level[*next as usize] = name;
+            *next += 1;
+        }
+        self.marks.clear();
+        self.marks.resize(records, Mark::default());
+        self.cells.iter_mut().for_each(|cell| cell.counts.clear());
+        for &name in &self.by_level {
+            let place = &mut self.places[name as usize];
+            self.cells[usize::from(place.cell)].deal(place, place.wave, &mut self.marks);
         }
     }
 
     /// Blocks for what was counted. Full ones are written over; those with lanes that nothing fills are emptied.
     fn make_blocks(&mut self) {
-        self.turns.clear();
-        let mut first = 0;
-        for of_wave in &mut self.counts {
-            for (kind, count) in of_wave.iter_mut().enumerate() {
-                let parts = Parts::of_kind(kind);
-                let end = first + count.div_ceil(LANES as u32) as usize;
-                if self.blocks.len() < end {
-                    self.blocks.resize(end, JointBlock::EMPTY);
-                }
-                if !count.is_multiple_of(LANES as u32) {
-                    self.blocks[end - 1] = JointBlock::EMPTY;
-                }
-                for block in &mut self.blocks[first..end] {
-                    if parts == Parts::default() {
-                        block.begin(JointBlock::NO_TURNS);
-                    } else {
-                        block.begin(self.turns.len() as u32);
-                        self.turns.push(TurnLanes::new(parts));
+        let (mut first, mut names) = (0, 0);
+        for cell in &mut self.cells {
+            cell.names = names..names;
+            cell.blocks.start = first;
+            cell.turns.start = self.turns.len();
+            for of_wave in &mut cell.counts {
+                for (kind, count) in of_wave.iter_mut().enumerate() {
+                    let parts = Parts::of_kind(kind);
+                    names += *count as usize;
+                    let end = first + count.div_ceil(LANES as u32) as usize;
+                    if self.blocks.len() < end {
+                        self.blocks.resize(end, JointBlock::EMPTY);
                     }
+                    if !count.is_multiple_of(LANES as u32) {
+                        self.blocks[end - 1] = JointBlock::EMPTY;
+                    }
+                    for block in &mut self.blocks[first..end] {
+                        if parts == Parts::default() {
+                            block.begin(JointBlock::NO_TURNS);
+                        } else {
+                            block.begin(self.turns.len() as u32);
+                            self.turns.push(TurnLanes::new(parts));
+                        }
+                    }
+                    *count = first as u32;
+                    first = end;
                 }
-                *count = first as u32;
-                first = end;
             }
+            (cell.blocks.end, cell.turns.end) = (first, self.turns.len());
         }
         self.blocks.truncate(first);
+        self.names.resize(names, 0);
     }
 
-    fn fill_joint(&mut self, index: usize, movers: &Movers, joints: &Arena<JointState>, h: f32, scale: f32) {
-        let place = self.places[index];
-        let (lane, joint) = (place.lane as usize, joints.at(place.joint));
-        self.rows += joint.lambdas.len() as u32;
-        let block = &mut self.blocks[place.block as usize];
-        let mut turns = self.turns.get_mut(block.turns as usize);
-        let resolved = &joint.resolved;
-        for (side, anchor) in [resolved.anchor_a, resolved.anchor_b].into_iter().enumerate() {
-            block.bodies[side][lane] = place.bodies[side];
-            block.poses[side][lane] = place.poses[side];
-            set(&mut block.anchors[side], lane, anchor);
-            block.root[side][lane] = movers.inverse_root_mass(place.bodies[side]);
-            block.root_inertia[side][lane] = movers.inverse_root_inertia(place.bodies[side]);
-            block.is_round &= movers.is_round(place.bodies[side]);
+    /// Where joints are among the blocks; the list of those of each cell.
+    fn name_joints(&mut self) {
+        for (place, name) in self.places.iter_mut().zip(0..) {
+            let cell = &mut self.cells[usize::from(place.cell)];
+            place.block = cell.counts[place.wave as usize][usize::from(place.kind)] + place.lane / LANES as u32;
+            place.lane %= LANES as u32;
+            self.names[cell.names.end] = name;
+            cell.names.end += 1;
         }
-        let ball = BallParts::at(&place, joint);
-        if let Some(turns) = turns.as_deref_mut() {
-            fill_turns(turns, lane, &ball, [resolved.frame_a, resolved.frame_b], h);
-        }
-        let mut stored = joint.lambdas.iter();
-        each_impulse(&ball, block, turns, lane, |lambda| {
-            *lambda = scale * stored.next().copied().unwrap_or(0.0);
-        });
-    }
-
-    /// Rows for the poses as they are, and what the way along arcs will add to gaps in `h` seconds. `roots` holds I^−½
-    /// of all bodies.
-    pub fn aim(&mut self, level: Level, movers: &Movers, roots: &[Record], h: f32) {
-        let (blocks, turns, poses, spins) = (&mut self.blocks, &mut self.turns, &mut self.poses, &mut self.spins);
-        dispatch!(level, simd => {
-            follow(simd, &movers.blocks, poses, Some(spins));
-            turn_all(simd, blocks, turns, &Aim { poses, roots, spins, h });
-        });
-    }
-
-    /// u' += J'ᵀλ.
-    pub fn warm_start(&self, level: Level, velocities: &mut [Record]) {
-        let (blocks, turns) = (&self.blocks, &self.turns);
-        dispatch!(level, simd => warm_start_all(simd, blocks, turns, velocities));
-    }
-
-    /// A visit to each joint; with `add_up` λ is what the substep leaves.
-    pub fn sweep(&mut self, level: Level, velocities: &mut [Record], pass: &JointPass, reversed: bool, add_up: bool) {
-        let order = Visits { reversed, add_up };
-        visit_all(level, (&mut self.blocks, &mut self.turns), velocities, pass, order);
-    }
-
-    /// Velocities toward what joints ask for: `joint_recovery.rs`. They are moved along and forgotten.
-    pub fn recover(&mut self, level: Level, pass: &JointPass, reversed: bool) -> &[Record] {
-        let mut pushes = std::mem::take(&mut self.pushes);
-        pushes.fill(Record::default());
-        self.sweep(level, &mut pushes, pass, reversed, false);
-        self.pushes = pushes;
-        &self.pushes
-    }
-
-    /// Adds λ to the sums over the substeps.
-    pub fn add_up(&mut self, level: Level) {
-        let (blocks, turns) = (&mut self.blocks, &mut self.turns);
-        dispatch!(level, simd => add_up_all(simd, blocks, turns));
     }
 
     /// Without warm start each substep begins from nothing.
@@ -385,41 +414,6 @@ impl Joints {
             turns.ranges.iter_mut().for_each(|r| r.lambda = [[0.0; LANES]; 2]);
             turns.drags.iter_mut().for_each(|d| d.lambda = [[0.0; LANES]; 3]);
         }
-    }
-
-    /// Greatest change of an impulse that a visit would make.
-    pub fn residual(&mut self, level: Level, velocities: &[Record], pass: &JointPass) -> f32 {
-        let (blocks, mut greatest) = (&self.blocks, [0.0; LANES]);
-        dispatch!(level, simd => see_changes(simd, blocks, velocities, pass, &mut greatest));
-        let mut greatest = greatest.into_iter().fold(0.0, f32::max);
-        if self.turns.is_empty() {
-            return greatest;
-        }
-        let mut seen = std::mem::take(&mut self.pushes);
-        seen.copy_from_slice(velocities);
-        for block in &self.blocks {
-            let Some(turns) = self.turns.get(block.turns as usize) else { continue };
-            let (mut visited, mut turned) = ([*block], [*turns]);
-            visited[0].turns = 0;
-            let order = Visits { reversed: false, add_up: false };
-            visit_all(level, (&mut visited, &mut turned), &mut seen, pass, order);
-            for &body in block.bodies.as_flattened() {
-                seen[body as usize] = velocities[body as usize];
-            }
-            greatest = kernel::greatest_change(greatest, &visited[0], block);
-            greatest = kernel::greatest_turn(greatest, &turned[0], turns);
-        }
-        self.pushes = seen;
-        greatest
-    }
-
-    /// Errors at the end of the step.
-    pub fn see(&mut self, level: Level, movers: &Movers) {
-        let (blocks, turns, poses) = (&mut self.blocks, &mut self.turns, &mut self.poses);
-        dispatch!(level, simd => {
-            follow(simd, &movers.blocks, poses, None);
-            see_all(simd, blocks, turns, poses);
-        });
     }
 
     /// Impulses, forces and errors back into the world; `share` makes stored impulses of those of a substep.
@@ -459,101 +453,4 @@ fn reaction(turns: &TurnLanes, lane: usize) -> (Vec3, f32) {
         }
     }
     (torque, error)
-}
-
-/// Poses of the movers, and how they turn.
-#[inline(always)]
-fn follow<S: Simd>(simd: S, movers: &[MoverBlock], poses: &mut [Record], spins: Option<&mut [Record]>) {
-    let mut spins = spins.unwrap_or_default().as_chunks_mut().0.iter_mut();
-    for (block, poses) in movers.iter().zip(poses.as_chunks_mut().0) {
-        moving::pose(simd, block, poses);
-        if let Some(spins) = spins.next() {
-            moving::swing(simd, block, spins);
-        }
-    }
-}
-
-#[inline(always)]
-fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes], aim: &Aim<'_>) {
-    for block in blocks {
-        let turns = turns.get_mut(block.turns as usize);
-        kernel::turn(simd, block, turns, aim);
-    }
-}
-
-#[inline(always)]
-fn warm_start_all<S: Simd>(simd: S, blocks: &[JointBlock], turns: &[TurnLanes], velocities: &mut [Record]) {
-    for block in blocks {
-        kernel::warm_start(simd, block, turns.get(block.turns as usize), velocities);
-    }
-}
-
-/// In which order, and whether λ is what the substep leaves.
-#[derive(Clone, Copy)]
-struct Visits {
-    reversed: bool,
-    add_up: bool,
-}
-
-/// A visit to each.
-fn visit_all(
-    level: Level,
-    (blocks, turns): (&mut [JointBlock], &mut [TurnLanes]),
-    velocities: &mut [Record],
-    pass: &JointPass,
-    order: Visits,
-) {
-    if order.reversed {
-        dispatch!(level, simd => sweep::<_, true>(simd, blocks, turns, velocities, pass, order.add_up));
-    } else {
-        dispatch!(level, simd => sweep::<_, false>(simd, blocks, turns, velocities, pass, order.add_up));
-    }
-}
-
-#[inline(always)]
-fn sweep<S: Simd, const REVERSED: bool>(
-    simd: S,
-    blocks: &mut [JointBlock],
-    turns: &mut [TurnLanes],
-    velocities: &mut [Record],
-    pass: &JointPass,
-    add_up: bool,
-) {
-    let n = blocks.len();
-    for i in 0..n {
-        let block = &mut blocks[if REVERSED { n - 1 - i } else { i }];
-        let mut turns = turns.get_mut(block.turns as usize);
-        kernel::visit::<S, REVERSED>(simd, block, turns.as_deref_mut(), velocities, pass);
-        if add_up {
-            kernel::add_up(simd, block, turns);
-        }
-    }
-}
-
-/// The greatest change of an impulse, lane by lane, by visits to what asks nothing of rotations.
-#[inline(always)]
-fn see_changes<S: Simd>(simd: S, blocks: &[JointBlock], velocities: &[Record], pass: &JointPass, greatest: &mut Lane) {
-    let mut most = splat(simd, 0.0);
-    for block in blocks {
-        if block.turns == JointBlock::NO_TURNS {
-            most = kernel::change_of_point(simd, block, velocities, pass, most);
-        }
-    }
-    store(most, greatest);
-}
-
-#[inline(always)]
-fn add_up_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes]) {
-    for block in blocks {
-        let turns = turns.get_mut(block.turns as usize);
-        kernel::add_up(simd, block, turns);
-    }
-}
-
-#[inline(always)]
-fn see_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut [TurnLanes], poses: &[Record]) {
-    for block in blocks {
-        let turns = turns.get_mut(block.turns as usize);
-        kernel::see(simd, block, turns, poses);
-    }
 }

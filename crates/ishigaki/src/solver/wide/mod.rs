@@ -12,6 +12,7 @@ mod correction;
 pub(crate) mod domain;
 mod handing;
 pub mod joint_block;
+mod joint_part;
 pub mod joints;
 pub mod lanes;
 pub mod mover;
@@ -40,6 +41,8 @@ pub struct Wide {
     pub rows: usize,
     /// Of each contact and manifold: its place among the blocks, where the reference solves them in that order.
     pub order: Vec<(u32, u32, u32)>,
+    /// Links of joints in the order of visits, for the same.
+    pub joint_order: Vec<u32>,
     /// Of each body slot: its batch, or `u32::MAX`.
     pub batch_of: Vec<u32>,
     index_of: Vec<u32>,
@@ -71,6 +74,7 @@ impl Default for Wide {
             used: 0,
             rows: 0,
             order: Vec::new(),
+            joint_order: Vec::new(),
             batch_of: Vec::new(),
             index_of: Vec::new(),
             parents: Vec::new(),

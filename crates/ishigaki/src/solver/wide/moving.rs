@@ -298,14 +298,30 @@ fn shift<S: Simd>(
 
 /// Poses as records: centers, and rotations.
 #[inline(always)]
-pub fn pose<S: Simd>(simd: S, block: &MoverBlock, poses: &mut Eight) {
+fn pose<S: Simd>(simd: S, block: &MoverBlock, poses: &mut Eight) {
     write_poses(simd, poses, V3::load(simd, &block.center), Q4::load(simd, &block.rotation));
 }
 
 /// ω and ω̇ of free turning as records.
 #[inline(always)]
-pub fn swing<S: Simd>(simd: S, block: &MoverBlock, spins: &mut Eight) {
+fn swing<S: Simd>(simd: S, block: &MoverBlock, spins: &mut Eight) {
     write(simd, spins, V3::load(simd, &block.spin), gyration(simd, block));
+}
+
+/// `pose` for all.
+#[inline(always)]
+pub fn pose_all<S: Simd>(simd: S, blocks: &[MoverBlock], poses: &mut [Record]) {
+    for (block, poses) in blocks.iter().zip(poses.as_chunks_mut().0) {
+        pose(simd, block, poses);
+    }
+}
+
+/// `swing` for all.
+#[inline(always)]
+pub fn swing_all<S: Simd>(simd: S, blocks: &[MoverBlock], spins: &mut [Record]) {
+    for (block, spins) in blocks.iter().zip(spins.as_chunks_mut().0) {
+        swing(simd, block, spins);
+    }
 }
 
 /// `begin` for all; without `carried` each substep pushes its impulses anew.

@@ -15,11 +15,10 @@ use crate::solver::wide::contact_block::{Biases, SweepPass};
 use crate::solver::wide::domain::{Machine, Part};
 use crate::solver::wide::joint_block::JointPass;
 use crate::solver::wide::lanes::{LANES, Record};
-use crate::solver::wide::moving::{self, Motion};
-use crate::solver::wide::sweeping::{self, Visits};
+use crate::solver::wide::moving::Motion;
+use crate::solver::wide::sweeping::Visits;
 use crate::solver::work;
 use crate::world::World;
-use fearless_simd::{Level, dispatch};
 use std::sync::{Mutex, PoisonError};
 
 impl World {
@@ -65,9 +64,8 @@ impl World {
         let work = batch.manifold_work(u64::from(pass.passes));
         batch.outcome.work += work.rows;
         let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
-        let looks = !is_free && (substeps < solver_substeps || self.has_stacks(batch));
         aid.manifolds.clear();
-        batch.aim_joints(machine.level, h);
+        batch.aim_joints(machine, h);
         for substep in 0..substeps {
             let is_last = substep + 1 == substeps;
             let velocity = JointPass::velocity(h);
@@ -78,6 +76,7 @@ impl World {
                     batch.warm_start(machine);
                     batch.outcome.work += work.warm_start;
                 }
+                let looks = substeps < solver_substeps || self.has_stacks(batch);
                 if looks {
                     batch.look(machine, &pass);
                     batch.outcome.work += work.looks;
@@ -100,7 +99,7 @@ impl World {
             if !is_free {
                 if !batch.joints.is_empty() {
                     batch.outcome.work += work.reweighing;
-                    self.recover_batch_joints(machine.level, batch, order.reversed, h);
+                    self.recover_batch_joints(machine, batch, order.reversed, h);
                 }
                 let relax = if is_last { Biases::RelaxLast } else { Biases::Relax };
                 for sweep in 0..relax_sweeps {
@@ -120,7 +119,7 @@ impl World {
             batch.outcome.work +=
                 u64::from(sweeps + relax_sweeps) * (work.visit + batch.joints.work.sweep) + work.measures;
         }
-        batch.see_joints(machine.level);
+        batch.see_joints(machine);
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
     }
 
@@ -178,13 +177,13 @@ impl World {
     }
 
     /// Rows of joints for the poses after the motion, and the recovery of their errors.
-    fn recover_batch_joints(&self, level: Level, batch: &mut Batch, reversed: bool, h: f32) {
-        batch.weigh(level);
-        batch.aim_joints(level, h);
+    fn recover_batch_joints(&self, machine: Machine<'_>, batch: &mut Batch, reversed: bool, h: f32) {
+        batch.weigh(machine);
+        batch.aim_joints(machine, h);
         let recovery = &self.options.solver.joint_recovery;
         if recovery.enabled {
             let pass = JointPass::recovery(h, recovery.rate);
-            batch.recover(level, &pass, reversed, h);
+            batch.recover(machine, &pass, reversed, h);
             batch.outcome.work += batch.joints.work.recovery;
         }
     }
@@ -231,41 +230,47 @@ impl Batch {
     }
 
     /// Rows of joints for the poses as they are, and what arcs will add to their gaps in `h` seconds.
-    fn aim_joints(&mut self, level: Level, h: f32) {
-        if !self.joints.is_empty() {
-            self.joints.aim(level, &self.movers, &self.roots, h);
-            self.outcome.work += self.joints.work.rows;
+    #[inline(never)]
+    fn aim_joints(&mut self, machine: Machine<'_>, h: f32) {
+        if self.joints.is_empty() {
+            return;
         }
+        let level = machine.level;
+        self.each(machine, |part| {
+            part.follow(level);
+            part.swing(level);
+        });
+        self.with_poses(machine, |part, poses| part.turn_joints(level, poses, h));
+        self.outcome.work += self.joints.work.rows;
+    }
+
+    /// Calls `work` for all joints with the poses of all bodies, those of other domains among them.
+    fn with_poses(&mut self, machine: Machine<'_>, work: impl Fn(&mut Part<'_>, &[Record]) + Sync) {
+        let poses = std::mem::take(&mut self.joints.poses);
+        self.each_and_seam(machine, |part| work(part, &poses));
+        self.joints.poses = poses;
     }
 
     /// Inertias of bodies with joints, and rows of their contacts, for the rotations as they are: limbs turn far in a step.
-    fn weigh(&mut self, level: Level) {
+    fn weigh(&mut self, machine: Machine<'_>) {
         if !self.movers.blocks.iter().any(|block| block.weighed != 0) {
             return;
         }
-        self.old_roots.resize(self.roots.len(), Record::default());
-        let movers = &mut self.movers.blocks;
-        let (roots, old, ways) = (&mut self.roots, &mut self.old_roots, &mut self.displacements);
-        let velocities = &mut self.velocities;
-        let (blocks, tangents, scales) = (&mut self.blocks[..], &mut self.tangents[..], &self.scales[..]);
-        dispatch!(level, simd => {
-            moving::reweigh_all(simd, movers, roots, old, ways, velocities);
-            sweeping::reweigh_all(simd, blocks, tangents, scales, old, roots);
-        });
+        self.each(machine, |part| part.weigh_bodies(machine.level));
+        self.each_and_seam(machine, |part| part.weigh_contacts(machine.level));
     }
 
     /// Moves bodies as joints ask for.
-    fn recover(&mut self, level: Level, pass: &JointPass, reversed: bool, h: f32) {
-        let pushes = self.joints.recover(level, pass, reversed);
-        let (blocks, ways) = (&mut self.movers.blocks, &mut self.displacements);
-        let velocities = &mut self.velocities;
-        dispatch!(level, simd => moving::shift_all(simd, blocks, pushes, ways, velocities, h));
+    fn recover(&mut self, machine: Machine<'_>, pass: &JointPass, reversed: bool, h: f32) {
+        self.each_joint(machine, reversed, |part| part.push_joints(machine.level, pass, reversed));
+        self.each(machine, |part| part.shift(machine.level, h));
     }
 
     /// Errors of joints at the end of the step.
-    fn see_joints(&mut self, level: Level) {
+    fn see_joints(&mut self, machine: Machine<'_>) {
         if !self.joints.is_empty() {
-            self.joints.see(level, &self.movers);
+            self.each(machine, |part| part.follow(machine.level));
+            self.with_poses(machine, |part, poses| part.see_joints(machine.level, poses));
         }
     }
 
@@ -279,9 +284,12 @@ impl Batch {
         self.joints.forget();
     }
 
+    #[inline(never)]
     fn warm_start(&mut self, machine: Machine<'_>) {
         self.each_color(machine, false, |part, blocks| part.warm_start(machine.level, blocks));
-        self.joints.warm_start(machine.level, &mut self.velocities);
+        if !self.joints.is_empty() {
+            self.each_and_seam(machine, |part| part.warm_start_joints(machine.level));
+        }
     }
 
     /// Biases of the rows; loads and unrest of the islands.
@@ -294,29 +302,36 @@ impl Batch {
 
     /// The end of a substep without relax sweeps.
     fn leave(&mut self, machine: Machine<'_>, pass: &SweepPass, biases: Biases) {
-        self.each_and_seam(machine, |part| part.leave(machine.level, pass, biases));
-        self.joints.add_up(machine.level);
+        self.each_and_seam(machine, |part| {
+            part.leave(machine.level, pass, biases);
+            part.add_up_joints(machine.level);
+        });
     }
 
     /// Contacts, then joints; or all of it the other way around.
+    #[inline(never)]
     fn sweep(&mut self, machine: Machine<'_>, pass: &SweepPass, joints: &JointPass, visits: Visits) {
         let level = machine.level;
-        if visits.reversed {
-            self.joints.sweep(level, &mut self.velocities, joints, true, visits.add_up);
+        let sweep_joints = |part: &mut Part<'_>| part.sweep_joints(level, joints, visits.reversed, visits.add_up);
+        let has_joints = !self.joints.is_empty();
+        if has_joints && visits.reversed {
+            self.each_joint(machine, true, sweep_joints);
         }
         self.each_color(machine, visits.reversed, |part, blocks| part.sweep(level, pass, visits, blocks));
-        if !visits.reversed {
-            self.joints.sweep(level, &mut self.velocities, joints, false, visits.add_up);
+        if has_joints && !visits.reversed {
+            self.each_joint(machine, false, sweep_joints);
         }
     }
 
     fn residual(&mut self, machine: Machine<'_>, pass: &SweepPass, joints: &JointPass) -> f32 {
-        let inspect = |part: &mut Part<'_>| part.inspect(machine.level, pass, Biases::Keep);
+        let inspect = |part: &mut Part<'_>| {
+            part.inspect(machine.level, pass, Biases::Keep).max(part.joint_residual(machine.level, joints))
+        };
         let mut greatest = self.each(machine, inspect).into_iter().flatten().fold(0.0, f32::max);
         if let Some(mut seam) = self.seam() {
             greatest = greatest.max(inspect(&mut seam));
         }
-        greatest.max(self.joints.residual(machine.level, &self.velocities, joints))
+        greatest
     }
 
     fn manifold_work(&self, passes: u64) -> work::Manifolds {

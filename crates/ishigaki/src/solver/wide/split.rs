@@ -44,6 +44,7 @@ impl World {
         wide.used = 0;
         wide.rows = 0;
         wide.order.clear();
+        wide.joint_order.clear();
         wide.level = if self.options.solver.wide.narrow { Level::baseline() } else { Level::new() };
         wide.batch_of.clear();
         wide.batch_of.resize(self.bodies.slot_count(), NONE);
@@ -58,7 +59,7 @@ impl World {
         }
     }
 
-    /// First impulses and the order of blocks for the reference, which then solves all.
+    /// First impulses, the order of blocks and that of joints for the reference, which then solves all.
     fn hand_over(&mut self, wide: &mut Wide, dt: f32) {
         let scale = self.warm_start_scale(dt);
         let mut first = 0;
@@ -76,6 +77,15 @@ impl World {
             first += LANES as u32 * batch.blocks.len() as u32;
         }
         wide.order.sort_unstable();
+        let links = &self.scratch.joint_links;
+        let mut visits: Vec<(u32, u32, u32)> = (0..links.len() as u32).map(|index| (0, index, 0)).collect();
+        for place in wide.batches[..wide.used].iter().flat_map(|batch| &batch.joints.places) {
+            if let Ok(index) = links.binary_search_by_key(&place.joint, |link| link.joint) {
+                visits[index].0 = LANES as u32 * place.block + place.lane;
+            }
+        }
+        visits.sort_unstable();
+        wide.joint_order.extend(visits.iter().map(|&(_, index, _)| index));
         wide.batch_of.fill(NONE);
         self.scratch.links.iter_mut().for_each(|link| link.batch = Link::NONE);
         (wide.used, wide.rows) = (0, 0);
@@ -182,9 +192,8 @@ impl World {
                 }
                 *size += wide.sizes[root] as usize + 1;
                 wide.batch_of_island[root] = *batch;
-                if !has_joints {
-                    wide.batches[*batch as usize].divisible += wide.sizes[root];
-                }
+                wide.batches[*batch as usize].divisible += wide.sizes[root];
+                wide.batches[*batch as usize].joint_count += wide.joint_counts[root];
             } else {
                 wide.batch_of_island[island] = wide.batch_of_island[root];
             }
@@ -216,11 +225,11 @@ impl World {
         }
         let threads = if self.options.solver.wide.by_reference { 1 } else { self.workers.count() };
         let batches = &mut wide.batches[..wide.used];
-        let manifolds: usize = batches.iter().map(|batch| batch.divisible as usize).sum();
+        let sum: usize = batches.iter().map(|batch| batch.size()).sum();
         for batch in batches {
             // Batches side by side keep threads at work without meetings: what is cut is more than a thread's share.
-            let share = (2 * threads * batch.divisible as usize + manifolds) / (2 * manifolds).max(1);
-            batch.divide(&self.bodies, share);
+            let share = (2 * threads * batch.size() + sum) / (2 * sum).max(1);
+            batch.divide(&self.bodies, &self.scratch.joint_ranks, share);
             batch.movers.bodies().for_each(|(index, slot)| wide.index_of[slot as usize] = index);
         }
     }
@@ -231,7 +240,9 @@ impl World {
             let Some(&mover) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
             if link.bodies.iter().all(|&s| !self.scratch.roles[s as usize].broken) {
                 let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
-                wide.batches[wide.batch_of[mover as usize] as usize].joints.add(link, bodies, &self.bodies);
+                let batch = &mut wide.batches[wide.batch_of[mover as usize] as usize];
+                let cell = batch.cell_of(bodies);
+                batch.joints.add(link, bodies, cell, &self.bodies);
             }
         }
         let source = Source {

@@ -46,6 +46,20 @@ impl Part<'_> {
         dispatch!(level, simd => prepare_all(simd, blocks, tangents, scales, roots));
     }
 
+    /// Inertias of bodies with joints for the rotations as they are.
+    pub fn weigh_bodies(&mut self, level: Level) {
+        let (movers, roots, old_roots) = (&mut *self.movers, &mut *self.roots, &mut *self.old_roots);
+        let (ways, velocities) = (&mut *self.displacements, &mut *self.velocities);
+        dispatch!(level, simd => moving::reweigh_all(simd, movers, roots, old_roots, ways, velocities));
+    }
+
+    /// Rows of contacts for the inertias as they are.
+    pub fn weigh_contacts(&mut self, level: Level) {
+        let (scales, old, new) = (self.scales, &*self.old_roots, &*self.roots);
+        let (blocks, tangents) = (&mut *self.blocks, &mut *self.tangents);
+        dispatch!(level, simd => reweigh_all(simd, blocks, tangents, scales, old, new));
+    }
+
     /// u' += J'ᵀλ for some of the blocks.
     pub fn warm_start(&mut self, level: Level, range: Range<usize>) {
         let (scales, blocks, tangents) = (self.scales_of(&range), &self.blocks[range], &*self.tangents);
@@ -68,12 +82,10 @@ impl Part<'_> {
 
     /// How far each block is from rest; the greatest change of an impulse that a visit would make.
     pub fn inspect(&mut self, level: Level, pass: &SweepPass, biases: Biases) -> f32 {
-        let (blocks, tangents, displacements) = (&mut *self.blocks, &*self.tangents, &*self.displacements);
+        let (blocks, tangents) = (&mut *self.blocks, &*self.tangents);
         let (velocities, unrest) = (&*self.velocities, &mut *self.unrest);
         let mut residual = [0.0; LANES];
-        dispatch!(level, simd => {
-            inspect_all(simd, blocks, tangents, displacements, velocities, pass, biases, unrest, &mut residual);
-        });
+        dispatch!(level, simd => inspect_all(simd, blocks, tangents, velocities, pass, biases, unrest, &mut residual));
         residual.into_iter().fold(0.0, f32::max)
     }
 }
@@ -112,7 +124,6 @@ fn inspect_all<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
     tangents: &[TangentLanes],
-    displacements: &[Record],
     velocities: &[Record],
     pass: &SweepPass,
     biases: Biases,
@@ -122,8 +133,8 @@ fn inspect_all<S: Simd>(
     let mut greatest = splat(simd, 0.0);
     for (block, unrest) in blocks.iter_mut().zip(unrest) {
         let tangents = tangents.get(block.tangents as usize);
-        if biases != Biases::Keep {
-            kernel::measure(simd, block, tangents, displacements, pass, biases);
+        if biases == Biases::Recover {
+            kernel::recover(simd, block, pass);
         }
         let found = kernel::inspect(simd, block, tangents, velocities);
         greatest = found.residual.simd_gt(greatest).select(found.residual, greatest);
@@ -134,7 +145,7 @@ fn inspect_all<S: Simd>(
 
 /// Rows for rotations as they are.
 #[inline(always)]
-pub(super) fn reweigh_all<S: Simd>(
+fn reweigh_all<S: Simd>(
     simd: S,
     blocks: &mut [ContactBlock],
     tangents: &mut [TangentLanes],
@@ -159,8 +170,9 @@ fn leave_all<S: Simd>(
     biases: Biases,
 ) {
     for block in blocks {
-        kernel::measure(simd, block, tangents.get(block.tangents as usize), displacements, pass, biases);
-        kernel::add_up(simd, block);
+        let separations = kernel::separations(simd, block, tangents.get(block.tangents as usize), displacements);
+        kernel::relax(simd, block, &separations, pass, biases == Biases::RelaxLast);
+        kernel::leave(simd, block, &separations);
     }
 }
 
@@ -182,12 +194,21 @@ fn sweep<S: Simd>(
         let k = if visits.reversed { n - 1 - i } else { i };
         let block = &mut blocks[k];
         let tangents = tangents.get(block.tangents as usize);
-        if visits.biases != Biases::Keep {
-            kernel::measure(simd, block, tangents, displacements, pass, visits.biases);
+        if visits.biases == Biases::Recover {
+            kernel::recover(simd, block, pass);
+        }
+        let has_moved = matches!(visits.biases, Biases::Relax | Biases::RelaxLast);
+        let separations = if has_moved || visits.add_up {
+            Some(kernel::separations(simd, block, tangents, displacements))
+        } else {
+            None
+        };
+        if let Some(separations) = separations.as_ref().filter(|_| has_moved) {
+            kernel::relax(simd, block, separations, pass, visits.biases == Biases::RelaxLast);
         }
         kernel::visit(simd, block, tangents, &scales[k.min(last)], velocities, pass);
-        if visits.add_up {
-            kernel::add_up(simd, block);
+        if let Some(separations) = separations.as_ref().filter(|_| visits.add_up) {
+            kernel::leave(simd, block, separations);
         }
     }
 }

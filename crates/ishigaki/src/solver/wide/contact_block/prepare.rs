@@ -16,16 +16,6 @@ struct Arms<S: Simd> {
 }
 
 impl<S: Simd> Arms<S> {
-    /// J' along an axis.
-    #[inline(always)]
-    fn row(&self, axis: V3<S>, roots: &[Symmetric<S>; 2]) -> RowLanes<S> {
-        RowLanes {
-            direction: axis,
-            angular_a: roots[0].times(self.a.cross(axis)).times(self.kept),
-            angular_b: roots[1].times(axis.cross(self.b)).times(self.kept),
-        }
-    }
-
     /// Times I^−½, where bodies are round.
     #[inline(always)]
     fn weighted(&self, roots: &[Symmetric<S>; 2]) -> Self {
@@ -39,6 +29,38 @@ impl<S: Simd> Arms<S> {
     fn round_row(&self, axis: V3<S>) -> RowLanes<S> {
         RowLanes { direction: axis, angular_a: self.a.cross(axis), angular_b: axis.cross(self.b) }
     }
+}
+
+/// I^−½ times normal and tangents, of both bodies: J' of all rows of all points of a manifold follow from these.
+struct Frame<S: Simd> {
+    a: [V3<S>; 3],
+    b: [V3<S>; 3],
+}
+
+impl<S: Simd> Frame<S> {
+    #[inline(always)]
+    fn new([n, t1, t2]: [V3<S>; 3], [a, b]: &[Symmetric<S>; 2]) -> Self {
+        Self { a: [a.times(n), a.times(t1), a.times(t2)], b: [b.times(n), b.times(t1), b.times(t2)] }
+    }
+
+    /// J' of the rows along `axes` of a point.
+    #[inline(always)]
+    fn rows(&self, arms: &Arms<S>, axes: [V3<S>; 3]) -> [RowLanes<S>; 3] {
+        let of_a = turned(&self.a, arms.a.times(arms.kept), axes);
+        let of_b = turned(&self.b, arms.b.times(-arms.kept), axes);
+        [
+            RowLanes { direction: axes[0], angular_a: of_a[0], angular_b: of_b[0] },
+            RowLanes { direction: axes[1], angular_a: of_a[1], angular_b: of_b[1] },
+            RowLanes { direction: axes[2], angular_a: of_a[2], angular_b: of_b[2] },
+        ]
+    }
+}
+
+/// I^−½(r × d) along normal and tangents d: r in these axes, which are right-handed in the order t1, t2, n.
+#[inline(always)]
+fn turned<S: Simd>([n, t1, t2]: &[V3<S>; 3], arm: V3<S>, axes: [V3<S>; 3]) -> [V3<S>; 3] {
+    let (along, one, two) = (arm.dot(axes[0]), arm.dot(axes[1]), arm.dot(axes[2]));
+    [t1.times(two).minus(t2.times(one)), t2.times(along).minus(n.times(two)), n.times(one).minus(t1.times(along))]
 }
 
 /// From arms and impulses to rows: a block as it was filled becomes one that can be visited. `roots` holds I^−½ of all
@@ -71,6 +93,8 @@ fn prepare_points<S: Simd, const N: usize>(
     let t = unit_tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
     let roots = [Symmetric::gather(simd, roots, &block.body_a), Symmetric::gather(simd, roots, &block.body_b)];
+    let axes = [n, t[0], t[1]];
+    let frame = Frame::new(axes, &roots);
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
     let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
     for i in 0..many::<N>(block.size) {
@@ -79,6 +103,7 @@ fn prepare_points<S: Simd, const N: usize>(
         let kept = exists.select(splat(simd, 1.0), zero);
         let (arm_a, arm_b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
         let s = load(simd, &p.separation);
+        store(s, &mut p.bias);
         // Arms to the middle of the gap, as in `constraint/contact.rs`.
         let mut shift = half * s;
         if s.simd_gt(zero).any_true() {
@@ -94,8 +119,9 @@ fn prepare_points<S: Simd, const N: usize>(
         let (normal, tangent);
         match tangents.as_deref_mut() {
             Some(lanes) => {
-                normal = arms.row(n, &roots);
-                tangent = [arms.row(t[0], &roots), arms.row(t[1], &roots)];
+                let rows = frame.rows(&arms, axes);
+                normal = rows[0];
+                tangent = [rows[1], rows[2]];
                 normal.angular_a.store(&mut p.angular_a);
                 normal.angular_b.store(&mut p.angular_b);
                 for k in 0..2 {
@@ -206,7 +232,7 @@ impl<S: Simd> Reweighing<S> {
 #[inline(always)]
 fn prepare_disk<S: Simd>(simd: S, disk: &mut DiskLanes, rows: &[RowLanes<S>; 2], m: &Masses<S>, exists: f32x8<S>) {
     let (k1, k2) = (rows[0].inner(&rows[0], m), rows[1].inner(&rows[1], m));
-    let c = rows[0].inner(&rows[1], m);
+    let c = rows[0].inner_across(&rows[1], m);
     let (m1, m2) = (exists * inverse(simd, k1), exists * inverse(simd, k2));
     let determinant = splat(simd, 1.0) - c * c * m1 * m2;
     let well = determinant.simd_gt(splat(simd, 1e-3));

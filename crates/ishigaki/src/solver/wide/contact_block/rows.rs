@@ -17,18 +17,22 @@ pub struct RowLanes<S: Simd> {
 }
 
 impl<S: Simd> RowLanes<S> {
-    /// J'J''ᵀ of two rows.
+    /// J'J''ᵀ of two rows along the same direction.
     #[inline(always)]
     pub fn inner(&self, o: &Self, m: &Masses<S>) -> f32x8<S> {
-        self.direction.dot(o.direction) * (m.root_a * m.push_a + m.root_b * m.push_b)
-            + self.angular_a.dot(o.angular_a) * m.inertia_a
-            + self.angular_b.dot(o.angular_b) * m.inertia_b
+        m.linear() + self.inner_across(o, m)
     }
 
-    /// w = J'u'.
+    /// J'J''ᵀ of two rows along directions that are square to each other.
     #[inline(always)]
-    pub fn velocity(&self, relative: V3<S>, sides: &Sides<S>) -> f32x8<S> {
-        self.direction.dot(relative) + self.angular_a.dot(sides.angular_a) + self.angular_b.dot(sides.angular_b)
+    pub fn inner_across(&self, o: &Self, m: &Masses<S>) -> f32x8<S> {
+        self.angular_a.dot(o.angular_a) * m.inertia_a + self.angular_b.dot(o.angular_b) * m.inertia_b
+    }
+
+    /// What rotations add to w = J'u'.
+    #[inline(always)]
+    pub fn turning(&self, sides: &Sides<S>) -> f32x8<S> {
+        self.angular_a.dot(sides.angular_a) + self.angular_b.dot(sides.angular_b)
     }
 
     /// u' += J'ᵀΔλ.
@@ -113,17 +117,18 @@ pub fn push_all<S: Simd>(
     m: &Masses<S>,
     sides: &mut Sides<S>,
 ) {
-    if tangents.is_some() {
+    if let Some(lanes) = tangents {
         let p = &block.points[i];
         row_of(simd, n, &p.angular_a, &p.angular_b).push(lambda[0], m, sides);
-        push_point(simd, block, tangents, i, [t1, t2], [lambda[1], lambda[2]], m, sides);
+        tangent_row(simd, lanes, i, 0, t1).push(lambda[1], m, sides);
+        tangent_row(simd, lanes, i, 1, t2).push(lambda[2], m, sides);
     } else {
         let impulse = n.times(lambda[0]).plus(t1.times(lambda[1])).plus(t2.times(lambda[2]));
         push_round(simd, block, i, impulse, m, sides);
     }
 }
 
-/// J'u' of the tangent rows of a point.
+/// J'u' of the tangent rows of a point, where `speed` is that of v_A − v_B along the tangents.
 #[inline(always)]
 pub fn point_velocity<S: Simd>(
     simd: S,
@@ -131,27 +136,27 @@ pub fn point_velocity<S: Simd>(
     tangents: Option<&TangentLanes>,
     i: usize,
     t: [V3<S>; 2],
-    relative: V3<S>,
+    speed: [f32x8<S>; 2],
     sides: &Sides<S>,
 ) -> [f32x8<S>; 2] {
     match tangents {
         Some(lanes) => {
             let rows = [tangent_row(simd, lanes, i, 0, t[0]), tangent_row(simd, lanes, i, 1, t[1])];
-            [rows[0].velocity(relative, sides), rows[1].velocity(relative, sides)]
+            [speed[0] + rows[0].turning(sides), speed[1] + rows[1].turning(sides)]
         }
         None => {
             let p = &block.points[i];
             let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
-            let v = relative.plus(sides.angular_a.cross(a)).minus(sides.angular_b.cross(b));
-            [t[0].dot(v), t[1].dot(v)]
+            let v = sides.angular_a.cross(a).minus(sides.angular_b.cross(b));
+            [speed[0] + t[0].dot(v), speed[1] + t[1].dot(v)]
         }
     }
 }
 
-/// u' += J'ᵀΔλ of the tangent rows of a point.
+/// u' += J'ᵀΔλ of the tangent rows of a point, but for the linear part, which all points share: [`Sliding`].
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
-pub fn push_point<S: Simd>(
+pub fn turn_point<S: Simd>(
     simd: S,
     block: &ContactBlock,
     tangents: Option<&TangentLanes>,
@@ -164,13 +169,54 @@ pub fn push_point<S: Simd>(
     match tangents {
         Some(lanes) => {
             for k in 0..2 {
-                tangent_row(simd, lanes, i, k, t[k]).push(change[k], m, sides);
+                let row = tangent_row(simd, lanes, i, k, t[k]);
+                sides.angular_a = sides.angular_a.plus(row.angular_a.times(change[k] * m.inertia_a));
+                sides.angular_b = sides.angular_b.plus(row.angular_b.times(change[k] * m.inertia_b));
             }
         }
         None => {
+            let p = &block.points[i];
+            let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
             let impulse = t[0].times(change[0]).plus(t[1].times(change[1]));
-            push_round(simd, block, i, impulse, m, sides);
+            sides.angular_a = sides.angular_a.plus(a.cross(impulse.times(m.inertia_a)));
+            sides.angular_b = sides.angular_b.minus(b.cross(impulse.times(m.inertia_b)));
         }
+    }
+}
+
+/// The linear part of friction while the points of a manifold are visited: along the tangents velocities of both bodies differ
+/// by two numbers for all points.
+pub struct Sliding<S: Simd> {
+    /// v_A − v_B along the tangents, m/s.
+    pub speed: [f32x8<S>; 2],
+    /// ΣΔλ, N·s.
+    pub impulse: [f32x8<S>; 2],
+    /// What an impulse adds to the speed, 1/kg.
+    mass: f32x8<S>,
+}
+
+impl<S: Simd> Sliding<S> {
+    /// Before the first point; `relative` is v_A − v_B.
+    #[inline(always)]
+    pub fn new(simd: S, t: [V3<S>; 2], m: &Masses<S>, relative: V3<S>) -> Self {
+        Self { speed: [t[0].dot(relative), t[1].dot(relative)], impulse: [splat(simd, 0.0); 2], mass: m.linear() }
+    }
+
+    /// Impulses of a point.
+    #[inline(always)]
+    pub fn add(&mut self, change: [f32x8<S>; 2]) {
+        for k in 0..2 {
+            self.speed[k] += self.mass * change[k];
+            self.impulse[k] += change[k];
+        }
+    }
+
+    /// u' of all of them.
+    #[inline(always)]
+    pub fn push(self, t: [V3<S>; 2], m: &Masses<S>, sides: &mut Sides<S>) {
+        let impulse = t[0].times(self.impulse[0]).plus(t[1].times(self.impulse[1]));
+        sides.linear_a = sides.linear_a.plus(impulse.times(m.push_a));
+        sides.linear_b = sides.linear_b.minus(impulse.times(m.push_b));
     }
 }
 

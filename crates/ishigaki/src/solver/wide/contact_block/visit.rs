@@ -4,7 +4,7 @@ use super::{
     ContactBlock, DiskLanes, Masses, ONE_FOR_ALL, POINTS, ScaleLanes, Size, SweepPass, TangentLanes, many, pair,
     unit_tangents,
 };
-use super::{normal_velocities, point_velocity, push_normals, push_point};
+use super::{Sliding, normal_velocities, point_velocity, push_normals, turn_point};
 use crate::solver::wide::lanes::{Record, Sides, V3, load, positive, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
@@ -43,13 +43,16 @@ fn visit_points<S: Simd, const N: usize>(
     push_normals(simd, block, tangents, n, &change, &masses, &mut sides);
     let t = unit_tangents(simd, n);
     let mu = load(simd, &block.friction);
+    // What the normals push is square to it.
+    let mut sliding = Sliding::new(simd, t, &masses, relative);
     for i in 0..many::<N>(block.size) {
         let reach = mu * positive(simd, load(simd, &block.points[i].lambda));
-        let relative = sides.relative(masses.root_a, masses.root_b);
-        let w = point_velocity(simd, block, tangents, i, t, relative, &sides);
+        let w = point_velocity(simd, block, tangents, i, t, sliding.speed, &sides);
         let change = solve_disk(simd, &mut block.disks[i], w, reach);
-        push_point(simd, block, tangents, i, t, change, &masses, &mut sides);
+        sliding.add(change);
+        turn_point(simd, block, tangents, i, t, change, &masses, &mut sides);
     }
+    sliding.push(t, &masses, &mut sides);
     sides.scatter(simd, velocities, &block.body_a, &block.body_b);
 }
 
@@ -160,6 +163,7 @@ fn inspect_points<S: Simd, const N: usize>(
     let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
     let mut unrest = Unrest { residual: zero, energy: zero };
     let normal = normal_velocities::<S, N>(simd, block, tangents, n, relative, &sides);
+    let speed = [t[0].dot(relative), t[1].dot(relative)];
     for i in 0..many::<N>(block.size) {
         let (p, disk) = (&block.points[i], &block.disks[i]);
         let lambda = load(simd, &p.lambda);
@@ -168,7 +172,7 @@ fn inspect_points<S: Simd, const N: usize>(
         let reach = mu * positive(simd, lambda);
         let old = [load(simd, &disk.lambda[0]), load(simd, &disk.lambda[1])];
         let step = scalar_step(simd, disk);
-        let v = point_velocity(simd, block, tangents, i, t, relative, &sides);
+        let v = point_velocity(simd, block, tangents, i, t, speed, &sides);
         let wanted = [old[0] - step * v[0], old[1] - step * v[1]];
         let square = wanted[0] * wanted[0] + wanted[1] * wanted[1];
         let mut shrink = one;

@@ -120,8 +120,12 @@ fn turn_round<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>) {
 #[inline(always)]
 fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, aim: &Aim<'_>) {
     let spin = Sides::gather(simd, aim.spins, &block.bodies[0], &block.bodies[1]);
-    let of_a = turning(spin.linear_a, spin.angular_a, at.arm_a);
-    let of_b = turning(spin.linear_b, spin.angular_b, at.arm_b);
+    let (mut of_a, mut of_b) = (centripetal(spin.linear_a, at.arm_a), centripetal(spin.linear_b, at.arm_b));
+    // What is round keeps its ω while nothing pushes it.
+    if !block.is_round {
+        of_a = of_a.plus(spin.angular_a.cross(at.arm_a));
+        of_b = of_b.plus(spin.angular_b.cross(at.arm_b));
+    }
     of_a.minus(of_b).times(splat(simd, 0.5 * aim.h)).store(&mut block.arc);
 }
 
@@ -262,8 +266,8 @@ pub fn see<S: Simd>(simd: S, block: &mut JointBlock, turns: Option<&mut TurnLane
     }
 }
 
-/// ω×(ω×r) + ω̇×r, m/s².
+/// ω×(ω×r), m/s².
 #[inline(always)]
-fn turning<S: Simd>(w: V3<S>, gyration: V3<S>, arm: V3<S>) -> V3<S> {
-    w.cross(w.cross(arm)).plus(gyration.cross(arm))
+fn centripetal<S: Simd>(w: V3<S>, arm: V3<S>) -> V3<S> {
+    w.cross(w.cross(arm))
 }
