@@ -73,3 +73,55 @@ fn halving_the_substep_divides_what_it_loses() {
     eprintln!("lost at 4 and at 8 substeps: {coarse:.5} {fine:.5}");
     assert!(fine < 0.7 * coarse, "{coarse} and {fine}");
 }
+
+/// Greatest gap, m, in two seconds of a level net of `side` × `side` balls whose first column is fixed, its joints added in the
+/// order that `order` makes of theirs: from ball to ball by index.
+fn gap_of(side: usize, order: impl FnOnce(&mut Vec<(usize, usize)>)) -> f32 {
+    let mut world = World::default();
+    let at = |i: usize| Vec3::new((i % side) as f32, 0.0, (i / side) as f32);
+    let balls: Vec<BodyHandle> = (0..side * side)
+        .map(|i| {
+            let ball = Shape::ball(0.4).groups(2, 1);
+            let body = if i % side == 0 { Body::fixed(ball) } else { Body::dynamic(ball) };
+            world.add_body(body.at(at(i))).unwrap()
+        })
+        .collect();
+    let mut joints = Vec::new();
+    for i in (0..side * side).filter(|i| i % side > 0) {
+        joints.push((i - 1, i));
+        joints.extend((i >= side).then(|| (i - side, i)));
+    }
+    order(&mut joints);
+    for (a, b) in joints {
+        world.add_joint(Joint::ball(balls[a], balls[b], 0.5 * (at(a) + at(b)))).unwrap();
+    }
+    (0..120).map(|_| world.step(DT).max_joint_error).fold(0.0, f32::max)
+}
+
+/// Visits go outward from what is fixed, whatever the order of joints (`solver/joint_link.rs`): along slots a net whose joints
+/// are added from its far end would carry a load over one joint in a sweep.
+#[test]
+fn the_order_of_joints_does_not_decide_how_far_it_opens() {
+    let outward = gap_of(20, |_| {});
+    let inward = gap_of(20, |joints| joints.reverse());
+    let columns = gap_of(20, |joints| joints.sort_by_key(|&(a, b)| (b % 20, a)));
+    let odd = gap_of(20, |joints| joints.sort_by_key(|&(a, b)| (7 * a + 3 * b) % 11));
+    eprintln!(
+        "gap: {:.2} mm outward, {:.2} inward, {:.2} by columns, {:.2} at odds",
+        1e3 * outward,
+        1e3 * inward,
+        1e3 * columns,
+        1e3 * odd
+    );
+    for gap in [inward, columns, odd] {
+        assert!((gap / outward - 1.0).abs() < 0.1, "{gap} and {outward}");
+    }
+}
+
+/// Cuts go along branches (`solver/wide/domain.rs`): a net of 48 × 48 is cut, one of 40 × 40 is not.
+#[test]
+fn it_opens_no_farther_where_it_is_cut() {
+    let (whole, cut) = (gap_of(40, |_| {}), gap_of(48, |_| {}));
+    eprintln!("gap: {:.2} mm whole, {:.2} cut", 1e3 * whole, 1e3 * cut);
+    assert!(cut < 1.3 * whole * 48.0 / 40.0, "{cut} and {whole}");
+}
