@@ -13,6 +13,7 @@ use crate::math::{Pose, Vec3};
 use crate::options::WorldOptions;
 use crate::report::StepReport;
 use crate::shape::Shape;
+use crate::solver::joint_link;
 use crate::solver::permutation::Random;
 use crate::step::Scratch;
 use crate::threads::Workers;
@@ -410,7 +411,7 @@ impl World {
             return Err(Error::invalid("kind", "cannot change: remove the joint and add another"));
         }
         (joint.body_a, joint.body_b, joint.frames) = (old.body_a, old.body_b, old.frames);
-        let may_touch_now = joint.collide && !old.collide;
+        let (may_touch_now, pairs_change) = (joint.collide && !old.collide, joint.collide != old.collide);
         let pair = self.checked_pair(joint.body_a, joint.body_b)?;
         if may_touch_now {
             self.find_anew(pair);
@@ -421,9 +422,12 @@ impl World {
             // Rows mean something else now: a warm start would push the wrong way.
             state.lambdas = smallvec![0.0; rows];
         }
+        joint_link::change(&mut self.scratch.joint_links, handle.index, &joint);
         *state.definition = joint;
-        self.scratch.joint_links.clear();
-        self.collect_jointed_pairs();
+        // Motors are edited step after step: what does not depend on them stays.
+        if pairs_change {
+            self.collect_jointed_pairs();
+        }
         Ok(())
     }
 

@@ -7,6 +7,7 @@
 //! cut anywhere, few joints between levels are cut.
 
 use crate::body::BodyState;
+use crate::constraint::joint::Joint;
 use crate::handle::Arena;
 use crate::solver::height;
 use crate::solver::wide::joints;
@@ -32,6 +33,29 @@ pub(crate) struct JointLink {
     pub level: u32,
 }
 
+impl JointLink {
+    /// Before it is known what else is joined.
+    fn new(joint: u32, definition: &Joint) -> Self {
+        Self {
+            joint,
+            bodies: [definition.body_a.index, definition.body_b.index],
+            fits: joints::fits(definition),
+            kind: joints::kind(definition),
+            is_first: false,
+            breaks: definition.break_force.is_some() || definition.break_torque.is_some(),
+            level: 0,
+        }
+    }
+}
+
+/// A joint allows something else now, between the same bodies.
+pub(crate) fn change(links: &mut [JointLink], joint: u32, definition: &Joint) {
+    if let Ok(index) = links.binary_search_by_key(&joint, |link| link.joint) {
+        let JointLink { is_first, level, .. } = links[index];
+        links[index] = JointLink { is_first, level, ..JointLink::new(joint, definition) };
+    }
+}
+
 /// Links of all joints, and the rank of each body.
 pub(crate) fn collect(
     joints: &Arena<JointState>,
@@ -40,18 +64,7 @@ pub(crate) fn collect(
     ranks: &mut Vec<u32>,
 ) {
     links.clear();
-    links.extend(joints.iter().map(|(slot, joint)| {
-        let definition = &joint.definition;
-        JointLink {
-            joint: slot,
-            bodies: [definition.body_a.index, definition.body_b.index],
-            fits: joints::fits(definition),
-            kind: joints::kind(definition),
-            is_first: false,
-            breaks: definition.break_force.is_some() || definition.break_torque.is_some(),
-            level: 0,
-        }
-    }));
+    links.extend(joints.iter().map(|(slot, joint)| JointLink::new(slot, &joint.definition)));
     let ground = bodies.slot_count() as u32;
     let pair = |link: &JointLink| {
         let [a, b] = link.bodies.map(|slot| if bodies.at(slot).is_dynamic() { slot } else { ground });
