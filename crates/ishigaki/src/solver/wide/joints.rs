@@ -199,8 +199,8 @@ impl Cell {
             taken |= mark.waves;
         }
         place.wave = match taken.trailing_ones() {
-            // All are taken: it gets one of its own.
-            u64::BITS => self.counts.len() as u32,
+            // All are taken: it gets one of its own, beyond all that are told apart, whether or not this cell has them.
+            u64::BITS => (self.counts.len() as u32).max(self.first_wave + u64::BITS),
             free => {
                 place.bodies.iter().filter(|&&b| b != 0).for_each(|&b| marks[b as usize].waves |= 1 << free);
                 self.first_wave + free
@@ -453,4 +453,32 @@ fn reaction(turns: &TurnLanes, lane: usize) -> (Vec3, f32) {
         }
     }
     (torque, error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A hub with more joints than waves are told apart, in two cells, and joints among what hangs on it.
+    #[test]
+    fn joints_of_a_wave_share_no_body() {
+        let mut cells = [Cell::default(), Cell::default()];
+        let mut marks = [Mark::default(); 200];
+        let ends = (2..90).map(|b| ([1, b], 0)).chain((90..170).map(|b| ([1, b], 1)));
+        let ends = ends.chain((90..169).map(|b| ([b, b + 1], 1))).chain((2..89).map(|b| ([b, b + 1], 0)));
+        let mut places = Vec::new();
+        for (bodies, cell) in ends {
+            let (joint, poses) = (0, bodies);
+            let mut place = JointPlace { joint, bodies, poses, wave: 0, cell, kind: 0, block: 0, lane: 0 };
+            cells[usize::from(cell)].deal(&mut place, 0, &mut marks);
+            places.push(place);
+        }
+        for (k, one) in places.iter().enumerate() {
+            for other in &places[..k] {
+                let is_together = (one.cell, one.wave) == (other.cell, other.wave);
+                let shares = one.bodies.iter().any(|body| other.bodies.contains(body));
+                assert!(!(is_together && shares), "{one:?} and {other:?}");
+            }
+        }
+    }
 }
