@@ -49,6 +49,7 @@ fn json_is_one_object_with_every_field() {
     }
     assert!(number(&result["worst_penetration"]) >= number(&result["max_penetration"]));
     assert!(number(&result["worst_joint_error"]) >= number(&result["max_joint_error"]));
+    assert!(number(&result["work_per_step"]) > 0.0 && number(&result["work_over_budget"]) > 0.0);
     assert!(number(&result["kinetic_energy"]) >= 0.0);
     assert!(number(&result["potential_energy"]) > 0.0, "all of it is above the ground");
     for key in ["momentum", "angular_momentum"] {

@@ -83,10 +83,8 @@ pub struct Domain {
 impl Domain {
     /// Nothing is in it, but room stays.
     fn forget(&mut self) {
-        for range in [&mut self.manifolds, &mut self.blocks, &mut self.tangents] {
-            *range = 0..0;
-        }
-        for range in [&mut self.joints, &mut self.joint_blocks, &mut self.turns] {
+        let Self { manifolds, blocks, tangents, joints, joint_blocks, turns, .. } = self;
+        for range in [manifolds, blocks, tangents, joints, joint_blocks, turns] {
             *range = 0..0;
         }
     }

@@ -15,7 +15,6 @@ use fearless_simd::{Level, dispatch};
 use std::ops::Range;
 
 /// Joints of some domains, or of the seam, with what bodies have for them.
-#[derive(Default)]
 pub(super) struct JointPart<'a> {
     /// Of each body of the batch.
     marks: &'a [Mark],
@@ -32,7 +31,6 @@ pub(super) struct JointPart<'a> {
 }
 
 /// What some blocks ask of rotations.
-#[derive(Default)]
 struct Turns<'a> {
     /// Number of the first in the batch.
     first: u32,

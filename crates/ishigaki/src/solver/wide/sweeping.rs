@@ -198,6 +198,7 @@ fn sweep<S: Simd>(
             kernel::recover(simd, block, pass);
         }
         let has_moved = matches!(visits.biases, Biases::Relax | Biases::RelaxLast);
+        // Twice where several sweeps relax; what the last substep leaves nobody asks for.
         let separations = if has_moved || visits.add_up {
             Some(kernel::separations(simd, block, tangents, displacements))
         } else {

@@ -40,6 +40,12 @@ impl<S: Simd> RowLanes<S> {
     pub fn push(&self, delta: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
         sides.linear_a = sides.linear_a.plus(self.direction.times(delta * m.push_a));
         sides.linear_b = sides.linear_b.minus(self.direction.times(delta * m.push_b));
+        self.turn(delta, m, sides);
+    }
+
+    /// The part of it that rotations take.
+    #[inline(always)]
+    pub fn turn(&self, delta: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
         sides.angular_a = sides.angular_a.plus(self.angular_a.times(delta * m.inertia_a));
         sides.angular_b = sides.angular_b.plus(self.angular_b.times(delta * m.inertia_b));
     }
@@ -169,17 +175,12 @@ pub fn turn_point<S: Simd>(
     match tangents {
         Some(lanes) => {
             for k in 0..2 {
-                let row = tangent_row(simd, lanes, i, k, t[k]);
-                sides.angular_a = sides.angular_a.plus(row.angular_a.times(change[k] * m.inertia_a));
-                sides.angular_b = sides.angular_b.plus(row.angular_b.times(change[k] * m.inertia_b));
+                tangent_row(simd, lanes, i, k, t[k]).turn(change[k], m, sides);
             }
         }
         None => {
-            let p = &block.points[i];
-            let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
             let impulse = t[0].times(change[0]).plus(t[1].times(change[1]));
-            sides.angular_a = sides.angular_a.plus(a.cross(impulse.times(m.inertia_a)));
-            sides.angular_b = sides.angular_b.minus(b.cross(impulse.times(m.inertia_b)));
+            turn_round(simd, block, i, impulse, m, sides);
         }
     }
 }
@@ -223,10 +224,16 @@ impl<S: Simd> Sliding<S> {
 /// An impulse on A at a point between round bodies, and back on B.
 #[inline(always)]
 fn push_round<S: Simd>(simd: S, block: &ContactBlock, i: usize, impulse: V3<S>, m: &Masses<S>, sides: &mut Sides<S>) {
-    let p = &block.points[i];
-    let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
     sides.linear_a = sides.linear_a.plus(impulse.times(m.push_a));
     sides.linear_b = sides.linear_b.minus(impulse.times(m.push_b));
+    turn_round(simd, block, i, impulse, m, sides);
+}
+
+/// The part of it that rotations take.
+#[inline(always)]
+fn turn_round<S: Simd>(simd: S, block: &ContactBlock, i: usize, impulse: V3<S>, m: &Masses<S>, sides: &mut Sides<S>) {
+    let p = &block.points[i];
+    let (a, b) = (V3::load(simd, &p.angular_a), V3::load(simd, &p.angular_b));
     sides.angular_a = sides.angular_a.plus(a.cross(impulse.times(m.inertia_a)));
     sides.angular_b = sides.angular_b.minus(b.cross(impulse.times(m.inertia_b)));
 }
