@@ -201,3 +201,26 @@ fn garbage_with_a_good_checksum_is_refused_or_steps_without_panic() {
     }
     assert!(refused > 100 && accepted > 100, "{refused} refused, {accepted} accepted: the test sees only one side");
 }
+
+/// What the engine keeps of joints from step to step knows of an edit: a joint that loses its cone or begins to break is in
+/// other lanes, or ends, as in a world that was restored after the edit.
+#[test]
+fn edited_joints_are_what_they_would_be_in_a_restored_world() {
+    let mut world = World::default();
+    world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
+    (0..6_u8).for_each(|k| doll(&mut world, Vec3::new(0.3 * f32::from(k), 1.0 + f32::from(k), 0.0)));
+    (0..20).for_each(|_| drop(world.step(DT)));
+    let joints: Vec<JointHandle> = world.joints().map(|(handle, _)| handle).collect();
+    let free = JointKind::Ball { cone: None, twist: None, friction: 0.0, damping: 0.0 };
+    for &joint in joints.iter().step_by(3) {
+        world.edit_joint(joint, |j| j.kind = free.clone()).unwrap();
+    }
+    world.edit_joint(joints[1], |j| j.break_force = Some(1.0)).unwrap();
+    let mut restored = World::restore(&world.snapshot()).unwrap();
+    for _ in 0..60 {
+        world.step(DT);
+        restored.step(DT);
+        assert_eq!(world.state_hash(), restored.state_hash());
+    }
+    assert!(world.joint(joints[1]).is_none(), "it broke");
+}
