@@ -178,6 +178,27 @@ impl<'a, T> Slots<'a, T> {
         self.objects_where(|_| true)
     }
 
+    /// Which slots these are.
+    pub fn range(&self) -> std::ops::Range<u32> {
+        self.first..self.first + self.slots.len() as u32
+    }
+
+    /// The object in a slot among these, known to be in use.
+    #[track_caller]
+    pub fn at_mut(&mut self, index: u32) -> &mut T {
+        self.slots[(index - self.first) as usize].value.as_mut().expect("slot in use")
+    }
+
+    /// Those for which what lies at the same place of another list is chosen, with it.
+    pub fn objects_with<R>(
+        self,
+        others: &'a mut [R],
+        is_chosen: impl Fn(&R) -> bool,
+    ) -> impl Iterator<Item = (&'a mut T, &'a mut R)> {
+        let chosen = self.slots.iter_mut().zip(others).filter(move |(_, other)| is_chosen(other));
+        chosen.filter_map(|(slot, other)| slot.value.as_mut().map(|value| (value, other)))
+    }
+
     /// Those in slots that are chosen: the others are not looked at.
     pub fn objects_where(self, is_chosen: impl Fn(u32) -> bool) -> impl Iterator<Item = (u32, &'a mut T)> {
         let chosen = (self.first..).zip(self.slots).filter(move |&(index, _)| is_chosen(index));

@@ -51,7 +51,7 @@ impl World {
 
     /// Removes joints that carried more than they can.
     pub(crate) fn break_joints(&mut self) {
-        if !self.scratch.joint_links.iter().any(|link| link.breaks) {
+        if !self.scratch.joint_links.list.iter().any(|link| link.breaks) {
             return;
         }
         let broken: Vec<(JointHandle, f32, f32)> = self
@@ -71,7 +71,7 @@ impl World {
 
     /// Reports contacts that carried more than a body asked to hear of.
     pub(crate) fn notice_forces(&mut self, dt: f32) {
-        if !self.scratch.hears_forces {
+        if !self.scratch.hears_forces.contains(&true) {
             return;
         }
         for i in 0..self.contacts.len() {

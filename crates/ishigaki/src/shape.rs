@@ -142,6 +142,17 @@ impl Default for Groups {
 }
 
 impl Groups {
+    /// In no group, and touching none.
+    pub(crate) const NONE: Self = Self { member_of: 0, collides_with: 0 };
+
+    /// Of several shapes together: what none of them may touch.
+    pub(crate) fn and(self, other: Self) -> Self {
+        Self {
+            member_of: self.member_of | other.member_of,
+            collides_with: self.collides_with | other.collides_with,
+        }
+    }
+
     /// Whether two shapes may touch.
     pub fn allow(self, other: Self) -> bool {
         self.member_of & other.collides_with != 0 && other.member_of & self.collides_with != 0

@@ -11,8 +11,9 @@ use crate::island::stillness::Stillness;
 use crate::island::{aggressive_sleep, sleep};
 use crate::math::Vec3;
 use crate::report::{Stage, StepReport};
+use crate::shape::Groups;
 use crate::solver::height;
-use crate::solver::joint_link::JointLink;
+use crate::solver::joint_link::JointLinks;
 use crate::solver::plan::{self, Plan};
 use crate::solver::wide::storing::ContactSums;
 use crate::world::World;
@@ -27,7 +28,10 @@ const FEW: usize = 300;
 /// Arrays that are used again in each step, so that a settled world allocates nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
-    pub hears_forces: bool,
+    /// Of each part of the bodies: some ask for forces of contacts.
+    pub hears_forces: Vec<bool>,
+    /// Of all shapes that are there, and perhaps of some that were; nothing until a step asks for it.
+    pub groups: Option<Groups>,
     pub moved_shapes: Vec<u32>,
     pub moves: Vec<Moves>,
     pub pair_lists: Vec<Vec<(u32, u32)>>,
@@ -38,11 +42,9 @@ pub(crate) struct Scratch {
     pub links: Vec<Link>,
     /// A body slept when links were made, and does no longer.
     pub has_woken: bool,
-    /// Empty until a step asks for them.
-    pub joint_links: Vec<JointLink>,
-    /// Of each body that was there then, made with them.
-    pub joint_ranks: Vec<u32>,
+    pub joint_links: JointLinks,
     pub joint_errors: JointErrors,
+    pub joint_sums: Vec<JointErrors>,
     pub roles: Vec<Role>,
     pub contact_sums: Vec<ContactSums>,
     pub parents: Vec<u32>,
@@ -68,6 +70,13 @@ impl JointErrors {
     pub fn add(&mut self, anchor_error: f32) {
         self.joints += 1;
         self.greatest = self.greatest.max(anchor_error);
+    }
+}
+
+impl std::ops::AddAssign for JointErrors {
+    fn add_assign(&mut self, other: Self) {
+        self.joints += other.joints;
+        self.greatest = self.greatest.max(other.greatest);
     }
 }
 
@@ -162,21 +171,24 @@ impl World {
         }
         let sleeps = self.options.rest.sleep.enabled;
         let (max_speed, max_angular_speed) = self.speed_limits();
-        let mut hears_forces = false;
-        for (_, body) in self.bodies.iter_mut() {
-            hears_forces |= body.force_threshold.is_some();
-            if body.asleep && sleeps && !body.edited {
-                continue;
+        let hears = &mut self.scratch.hears_forces;
+        hears.clear();
+        hears.resize(self.workers.parts(self.bodies.slot_count()), false);
+        self.workers.in_parts(self.bodies.all(), hears, |bodies, hears_forces| {
+            for (_, body) in bodies.objects() {
+                *hears_forces |= body.force_threshold.is_some();
+                if body.asleep && sleeps && !body.edited {
+                    continue;
+                }
+                body.previous_pose = body.pose();
+                body.broken = !(body.is_finite() && body.force.is_finite() && body.torque.is_finite());
+                body.limit_speeds(max_speed, max_angular_speed);
+                body.limit_forces(max_speed / dt, max_angular_speed / dt);
+                if !sleeps && body.asleep {
+                    body.wake();
+                }
             }
-            body.previous_pose = body.pose();
-            body.broken = !(body.is_finite() && body.force.is_finite() && body.torque.is_finite());
-            body.limit_speeds(max_speed, max_angular_speed);
-            body.limit_forces(max_speed / dt, max_angular_speed / dt);
-            if !sleeps && body.asleep {
-                body.wake();
-            }
-        }
-        self.scratch.hears_forces = hears_forces;
+        });
         true
     }
 
@@ -211,23 +223,29 @@ impl World {
     fn put_to_rest(&mut self, dt: f32) {
         let (rest, scale) = (&self.options.rest, self.options.length_scale);
         let enough = sleep::enough_time(&rest.sleep, scale);
+        let whole = (self.bodies.all(), &mut self.scratch.roles[..]);
+        let mut no_outputs = self.workers.no_outputs(whole.1.len());
+        self.workers.in_parts(whole, &mut no_outputs, |(bodies, roles), ()| {
+            for (body, role) in bodies.objects_with(roles, |role| !role.sleeps()) {
+                if body.edited {
+                    body.edited = false;
+                }
+                if !body.asleep {
+                    (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
+                }
+                if body.is_active() {
+                    body.forget_dust();
+                    sleep::count_rest_time(body, &rest.sleep, scale, dt);
+                    aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
+                    role.restless = body.rest_time < enough;
+                }
+            }
+        });
         let restless = &mut self.scratch.restless_islands;
         restless.clear();
         restless.resize(self.report.islands, false);
-        let roles = &self.scratch.roles;
-        for (_, body) in self.bodies.all().objects_where(|slot| !roles[slot as usize].sleeps()) {
-            if body.edited {
-                body.edited = false;
-            }
-            if !body.asleep {
-                (body.force, body.torque) = (Vec3::ZERO, Vec3::ZERO);
-            }
-            if body.is_active() {
-                body.forget_dust();
-                sleep::count_rest_time(body, &rest.sleep, scale, dt);
-                aggressive_sleep::count_rest_steps(body, &rest.aggressive_sleep, scale);
-                restless[body.island as usize] |= body.rest_time < enough;
-            }
+        for role in self.scratch.roles.iter().filter(|role| role.restless) {
+            restless[role.island as usize] = true;
         }
         if rest.sleep.enabled {
             self.put_islands_to_sleep();

@@ -58,6 +58,11 @@ impl Workers {
         1
     }
 
+    /// For work on so many items that leaves nothing but what it does to them.
+    pub fn no_outputs(&self, items: usize) -> Vec<()> {
+        vec![(); self.parts(items)]
+    }
+
     /// Cuts `whole` into as many parts as there are outputs, and calls `work` for each part and its output.
     pub fn in_parts<W: Cut, T: Send>(&self, whole: W, outputs: &mut [T], work: impl Fn(W, &mut T) + Sync) {
         #[cfg(feature = "threads")]

@@ -13,7 +13,6 @@ use crate::math::{Pose, Vec3};
 use crate::options::WorldOptions;
 use crate::report::StepReport;
 use crate::shape::Shape;
-use crate::solver::joint_link;
 use crate::solver::permutation::Random;
 use crate::step::Scratch;
 use crate::threads::Workers;
@@ -226,6 +225,7 @@ impl World {
         let index = handle.index;
         for (ordinal, shape) in shapes.into_iter().enumerate() {
             let body = self.bodies.at(index);
+            self.scratch.groups = self.scratch.groups.map(|groups| groups.and(shape.groups));
             let shape_state = ShapeState::new(index, ordinal as u32, shape, body);
             let (min, max) = shape_state.tight_bounds(body);
             let (slot, _) = self.shapes.insert(ShapeState { bounds_min: min, bounds_max: max, ..shape_state });
@@ -390,7 +390,7 @@ impl World {
         };
         let collides = state.definition.collide;
         let handle = JointHandle::from(self.joints.insert(state));
-        self.scratch.joint_links.clear();
+        self.scratch.joint_links.forget();
         if !collides {
             self.keep_apart(joint_pair);
         }
@@ -422,7 +422,7 @@ impl World {
             // Rows mean something else now: a warm start would push the wrong way.
             state.lambdas = smallvec![0.0; rows];
         }
-        joint_link::change(&mut self.scratch.joint_links, handle.index, &joint);
+        self.scratch.joint_links.change(handle.index, &joint);
         *state.definition = joint;
         // Motors are edited step after step: what does not depend on them stays.
         if pairs_change {
@@ -435,7 +435,7 @@ impl World {
     pub fn remove_joint(&mut self, handle: JointHandle) -> bool {
         let Some(joint) = self.joints.remove(handle.into()) else { return false };
         self.disturb();
-        self.scratch.joint_links.clear();
+        self.scratch.joint_links.forget();
         for body in [joint.definition.body_a, joint.definition.body_b] {
             if let Some(body) = self.bodies.get_mut(body.into()) {
                 body.wake();

@@ -23,6 +23,8 @@ pub(crate) struct Role {
     pub edited: bool,
     /// It has a mass and may move and turn along all axes.
     pub free: bool,
+    /// At the end of the step: it was not slow for long enough to sleep.
+    pub restless: bool,
 }
 
 impl Role {
@@ -37,6 +39,7 @@ impl Role {
         broken: false,
         edited: false,
         free: false,
+        restless: false,
     };
 
     /// The solver moves it, or its user.
@@ -61,6 +64,7 @@ impl Role {
             broken: body.broken,
             edited: body.edited,
             free: !body.locked_translation.contains(&true) && !body.has_locked_rotation() && body.inverse_mass > 0.0,
+            restless: false,
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::collision::continuous::start_center;
 use crate::collision::pair::{Pair, clear_burst, insert_pairs, remove_pairs};
 use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
 use crate::math::Vec3;
+use crate::shape::Groups;
 use crate::step::Scratch;
 use crate::world::World;
 
@@ -23,7 +24,10 @@ impl World {
         let (proxies, parts) = (&mut self.scratch.proxies, &mut self.scratch.moves);
         proxies.begin(self.shapes.slot_count());
         parts.resize_with(self.workers.parts(self.shapes.slot_count()), Moves::default);
-        let (bodies, sizes) = (&self.bodies, Margins { dt, margin, fat });
+        let groups = self.scratch.groups.get_or_insert_with(|| {
+            self.shapes.iter().fold(Groups::NONE, |groups, (_, shape)| groups.and(shape.shape.groups))
+        });
+        let (bodies, sizes) = (&self.bodies, Margins { dt, margin, fat, groups: *groups });
         let whole = (self.shapes.all(), proxies.places());
         self.workers.in_parts(whole, parts, |(shapes, mut places), moves| {
             moves.moved.clear();
@@ -43,6 +47,8 @@ impl World {
                 let [now, _] = proxies.bounds[slot as usize];
                 (now.min, now.max)
             });
+            // Nets and ropes that touch nothing ask for no neighbors.
+            moved.retain(|&slot| !proxies.shapes[slot as usize].traits.alone);
             self.drop_parted_pairs();
             self.add_new_pairs();
         }
@@ -196,13 +202,15 @@ pub(crate) struct Moves {
     has_ended: bool,
 }
 
-/// By how much bounds are larger than shapes.
+/// By how much bounds are larger than shapes, and what they may touch.
 struct Margins {
     dt: f32,
     /// Speculative, m.
     margin: f32,
     /// m.
     fat: f32,
+    /// Of all shapes.
+    groups: Groups,
 }
 
 impl Moves {
@@ -218,7 +226,7 @@ impl Moves {
             places.leave_out(slot);
             return;
         }
-        let (tight, plane) = places.enter(slot, shape, body, by.dt);
+        let (tight, plane) = places.enter(slot, shape, body, by.dt, by.groups);
         // Planes are gathered in each step.
         *places.holds(slot) = rests && plane.is_none();
         self.planes.extend(plane);

@@ -6,7 +6,7 @@
 use crate::body::{BodyState, ShapeState};
 use crate::collision::pairs::motion_in_step;
 use crate::math::{Pose, Vec3};
-use crate::shape::Geometry;
+use crate::shape::{Geometry, Groups};
 use crate::threads::Cut;
 
 /// A shape in this step: what nearly all pairs are told apart by, in half a cache line.
@@ -38,6 +38,8 @@ pub(crate) struct Traits {
     /// May be swept: no gap is too large.
     pub continuous: bool,
     pub half_space: bool,
+    /// No shape of the world is in a group that it may touch, or may touch one that it is in.
+    pub alone: bool,
 }
 
 /// Bounds in the broad phase, m.
@@ -174,9 +176,16 @@ impl Proxies {
 }
 
 impl Places<'_> {
-    /// Enters a shape of a body that is finite; gives its bounds without any margin, and its surface if it is a
+    /// Enters a shape of a body that is finite among shapes of these groups; gives its bounds without any margin, and its surface if it is a
     /// half-space.
-    pub fn enter(&mut self, slot: u32, shape: &ShapeState, body: &BodyState, dt: f32) -> ((Vec3, Vec3), Option<Plane>) {
+    pub fn enter(
+        &mut self,
+        slot: u32,
+        shape: &ShapeState,
+        body: &BodyState,
+        dt: f32,
+        all: Groups,
+    ) -> ((Vec3, Vec3), Option<Plane>) {
         let pose = shape.world_from_shape(body);
         let plane = match shape.shape.geometry {
             Geometry::HalfSpace { normal } => {
@@ -187,7 +196,12 @@ impl Places<'_> {
         };
         let (min, max) = shape.shape.geometry.bounds(&pose);
         let motion = motion_in_step(body, dt);
-        let traits = Traits { sensor: shape.shape.sensor, continuous: body.continuous, half_space: plane.is_some() };
+        let traits = Traits {
+            sensor: shape.shape.sensor,
+            continuous: body.continuous,
+            half_space: plane.is_some(),
+            alone: !all.allow(shape.shape.groups),
+        };
         let at = (slot - self.first) as usize;
         self.shapes[at] = Proxy { min, max, reach: motion.length(), traits };
         self.motions[at] = ProxyMotion { motion, inner_radius: shape.inner_radius, body: shape.body };
@@ -217,7 +231,7 @@ impl Proxy {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
         reach: 0.0,
-        traits: Traits { sensor: false, continuous: false, half_space: false },
+        traits: Traits { sensor: false, continuous: false, half_space: false, alone: true },
     };
 }
 
@@ -244,7 +258,7 @@ mod tests {
             let flat = body.flat_shapes();
             let state = BodyState::new(&body, &flat).unwrap();
             let shape = ShapeState::new(slot, 0, flat[0].clone(), &state);
-            let (_, plane) = proxies.places().enter(slot, &shape, &state, 1.0 / 60.0);
+            let (_, plane) = proxies.places().enter(slot, &shape, &state, 1.0 / 60.0, Groups::default());
             proxies.planes.extend(plane);
         }
         proxies

@@ -6,7 +6,6 @@
 use crate::body::{BodyState, NO_HEIGHT, Role};
 use crate::handle::Arena;
 use crate::solver::height;
-use crate::solver::joint_link;
 use crate::step::Scratch;
 use crate::union_find::{root, unite};
 use crate::world::World;
@@ -38,11 +37,8 @@ impl World {
                 is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
             }
         }
-        if self.scratch.joint_links.len() != self.joints.len() {
-            let Scratch { joint_links, joint_ranks, .. } = &mut self.scratch;
-            joint_link::collect(&self.joints, &self.bodies, joint_links, joint_ranks);
-        }
-        for link in &self.scratch.joint_links {
+        self.scratch.joint_links.collect(&self.joints, &self.bodies);
+        for link in self.scratch.joint_links.list.iter().filter(|link| link.unites) {
             is_mixed |= unite_ends(&mut self.bodies, parents, link.bodies);
         }
         is_mixed
@@ -80,18 +76,18 @@ impl World {
         numbers.resize(parents.len(), u32::MAX);
         roles.clear();
         roles.resize(parents.len(), Role::NOTHING);
+        let mut no_outputs = self.workers.no_outputs(parents.len());
+        self.workers.in_parts((self.bodies.all(), &mut roles[..]), &mut no_outputs, |(bodies, roles), ()| {
+            bodies.objects_with(roles, |_| true).for_each(|(body, role)| *role = Role::of(body));
+        });
         let mut islands = 0;
-        for (index, body) in self.bodies.iter() {
-            let mut role = Role::of(body);
-            if role.active {
-                let number = &mut numbers[root(parents, index) as usize];
-                if *number == u32::MAX {
-                    *number = islands;
-                    islands += 1;
-                }
-                role.island = *number;
+        for (role, index) in roles.iter_mut().zip(0..).filter(|(role, _)| role.active) {
+            let number = &mut numbers[root(parents, index) as usize];
+            if *number == u32::MAX {
+                *number = islands;
+                islands += 1;
             }
-            roles[index as usize] = role;
+            role.island = *number;
         }
         self.report.islands = islands as usize;
     }
@@ -99,7 +95,7 @@ impl World {
     /// Of all bodies but those that sleep: they keep theirs.
     fn measure_heights(&mut self) {
         let Scratch { links, joint_links, roles, height, heights, .. } = &mut self.scratch;
-        let joints = if self.options.solver.height.through_joints { &joint_links[..] } else { &[] };
+        let joints = if self.options.solver.height.through_joints { &joint_links.list[..] } else { &[] };
         let supports = links.iter().filter(|link| link.bears() && !link.sleeps).map(|link| link.bodies);
         let supports = supports.chain(joints.iter().map(|link| link.bodies));
         heights.clear();
@@ -109,16 +105,19 @@ impl World {
 
     /// Tells bodies their height and their island.
     fn tell_bodies(&mut self) {
-        let roles = &self.scratch.roles;
-        for (index, body) in self.bodies.all().objects_where(|slot| !roles[slot as usize].sleeps()) {
-            let role = &roles[index as usize];
-            if !body.asleep {
-                body.height = self.scratch.heights[index as usize];
+        let (roles, heights) = (&self.scratch.roles, &self.scratch.heights);
+        let mut no_outputs = self.workers.no_outputs(roles.len());
+        self.workers.in_parts(self.bodies.all(), &mut no_outputs, |bodies, ()| {
+            for (index, body) in bodies.objects_where(|slot| !roles[slot as usize].sleeps()) {
+                let role = &roles[index as usize];
+                if !body.asleep {
+                    body.height = heights[index as usize];
+                }
+                if role.active {
+                    body.island = role.island;
+                }
             }
-            if role.active {
-                body.island = role.island;
-            }
-        }
+        });
     }
 }
 

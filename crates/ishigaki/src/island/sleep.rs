@@ -43,7 +43,7 @@ impl World {
     /// A moving platform keeps what lies on it awake; so does one that pulls by a joint.
     fn keep_awake_what_is_carried(&mut self) {
         let links = self.scratch.links.iter().filter(|link| link.unites()).map(|link| link.bodies);
-        for ends in links.chain(self.scratch.joint_links.iter().map(|link| link.bodies)) {
+        for ends in links.chain(self.scratch.joint_links.list.iter().map(|link| link.bodies)) {
             let [a, b] = ends.map(|slot| self.scratch.roles[slot as usize]);
             for (body, other) in [(a, b), (b, a)] {
                 if body.active && other.moving_ground {

@@ -25,8 +25,10 @@ pub(crate) struct JointLink {
     pub fits: bool,
     /// What it has beside them, as [`Parts::kind`](crate::solver::wide::joint_block::Parts::kind) says it.
     pub kind: u8,
-    /// No joint before it joins the same two, whatever does not move being one.
-    pub is_first: bool,
+    /// It closes a loop: those before it connect the same two already, over what does not move or not, and none joins them.
+    pub closes: bool,
+    /// Its bodies are not in one island already by those before it, or one of them does not move.
+    pub unites: bool,
     /// It may break.
     pub breaks: bool,
     /// Hops of both bodies from what does not move, or from the first body of all that are joined.
@@ -41,30 +43,64 @@ impl JointLink {
             bodies: [definition.body_a.index, definition.body_b.index],
             fits: joints::fits(definition),
             kind: joints::kind(definition),
-            is_first: false,
+            closes: false,
+            unites: false,
             breaks: definition.break_force.is_some() || definition.break_torque.is_some(),
             level: 0,
         }
     }
 }
 
-/// A joint allows something else now, between the same bodies.
-pub(crate) fn change(links: &mut [JointLink], joint: u32, definition: &Joint) {
-    if let Ok(index) = links.binary_search_by_key(&joint, |link| link.joint) {
-        let JointLink { is_first, level, .. } = links[index];
-        links[index] = JointLink { is_first, level, ..JointLink::new(joint, definition) };
+/// Links of all joints.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointLinks {
+    /// In the order of slots. Empty until a step asks for them.
+    pub list: Vec<JointLink>,
+    /// The rank of each body that was there then.
+    pub ranks: Vec<u32>,
+    /// Another number after each change: what was made from links holds as long as it is the same.
+    pub edition: u64,
+}
+
+impl JointLinks {
+    /// A joint was added or removed: the next step that asks for links makes them anew.
+    pub fn forget(&mut self) {
+        self.list.clear();
+        self.edition += 1;
+    }
+
+    /// A joint allows something else now, between the same bodies.
+    pub fn change(&mut self, joint: u32, definition: &Joint) {
+        self.edition += 1;
+        if let Ok(index) = self.list.binary_search_by_key(&joint, |link| link.joint) {
+            let JointLink { closes, unites, level, .. } = self.list[index];
+            self.list[index] = JointLink { closes, unites, level, ..JointLink::new(joint, definition) };
+        }
+    }
+
+    /// Makes them, unless they are there.
+    pub fn collect(&mut self, joints: &Arena<JointState>, bodies: &Arena<BodyState>) {
+        if self.list.len() != joints.len() {
+            self.edition += 1;
+            collect(joints, bodies, &mut self.list, &mut self.ranks);
+        }
     }
 }
 
-/// Links of all joints, and the rank of each body.
-pub(crate) fn collect(
-    joints: &Arena<JointState>,
-    bodies: &Arena<BodyState>,
-    links: &mut Vec<JointLink>,
-    ranks: &mut Vec<u32>,
-) {
+fn collect(joints: &Arena<JointState>, bodies: &Arena<BodyState>, links: &mut Vec<JointLink>, ranks: &mut Vec<u32>) {
     links.clear();
     links.extend(joints.iter().map(|(slot, joint)| JointLink::new(slot, &joint.definition)));
+    find_loops(links, bodies);
+    let hops = hops(links, bodies);
+    for link in &mut *links {
+        link.level = link.bodies.map(|slot| hops[slot as usize]).iter().sum();
+    }
+    rank(links, &hops, ranks);
+}
+
+/// Which links close loops, and which unite islands.
+fn find_loops(links: &mut [JointLink], bodies: &Arena<BodyState>) {
+    // Whatever does not move is one: the number after the last slot.
     let ground = bodies.slot_count() as u32;
     let pair = |link: &JointLink| {
         let [a, b] = link.bodies.map(|slot| if bodies.at(slot).is_dynamic() { slot } else { ground });
@@ -74,13 +110,22 @@ pub(crate) fn collect(
     pairs.sort_unstable();
     pairs.dedup_by_key(|(pair, _)| *pair);
     for (_, index) in pairs {
-        links[index].is_first = true;
+        links[index].closes = true;
     }
-    let hops = hops(links, bodies);
-    for link in &mut *links {
-        link.level = link.bodies.map(|slot| hops[slot as usize]).iter().sum();
+    let mut connected: Vec<u32> = (0..=ground).collect();
+    let mut of_island = connected.clone();
+    for link in links {
+        let (a, b) = pair(link);
+        link.closes &= !joins(&mut connected, a, b);
+        link.unites = b == ground || joins(&mut of_island, a, b);
     }
-    rank(links, &hops, ranks);
+}
+
+/// Unites two; whether they were apart.
+fn joins(parents: &mut [u32], a: u32, b: u32) -> bool {
+    let are_apart = root(parents, a) != root(parents, b);
+    unite(parents, a, b);
+    are_apart
 }
 
 /// Of each body: hops over joints from what does not move, or from the first body of all that are joined.
@@ -174,14 +219,14 @@ mod tests {
                 world.add_joint(Joint::ball(balls[k - 4], balls[k], at - 0.5 * Vec3::Z)).unwrap();
             }
         }
-        let (mut links, mut ranks) = (Vec::new(), Vec::new());
-        super::collect(&world.joints, &world.bodies, &mut links, &mut ranks);
-        assert_eq!(links.len(), 12 + 9);
-        for link in links {
+        let mut links = super::JointLinks::default();
+        links.collect(&world.joints, &world.bodies);
+        assert_eq!(links.list.len(), 12 + 9);
+        for link in links.list {
             let [a, b] = link.bodies.map(|slot| slot % 4);
             assert_eq!(link.level, a + b);
         }
         let rows: Vec<u32> = (0..17).map(|k: u32| k.min(15)).collect();
-        assert_eq!(ranks, rows);
+        assert_eq!(links.ranks, rows);
     }
 }

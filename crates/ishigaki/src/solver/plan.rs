@@ -129,8 +129,13 @@ impl World {
         self.count_substeps(plan);
         self.collect_bodies(plan);
         plan.rows.clear();
-        self.add_joint_rows(plan, dt);
-        self.add_contact_rows(plan, dt);
+        plan.joints.clear();
+        plan.blocks.clear();
+        plan.manifolds.clear();
+        if !plan.wide.takes_all {
+            self.add_joint_rows(plan, dt);
+            self.add_contact_rows(plan, dt);
+        }
     }
 
     /// What the reference does in a step: more where jointed bodies touch something or hang in loops, less where they
@@ -152,14 +157,17 @@ impl World {
 
     /// Marks active bodies with joints, and looks at these.
     fn find_jointed(&self, plan: &mut Plan) -> Jointed {
+        let mut found = Jointed { any: false, loops: false, all_balls: true };
+        if plan.wide.takes_all {
+            return found;
+        }
         let slots = self.bodies.slot_count();
         plan.is_jointed.clear();
         plan.is_jointed.resize(slots, false);
         plan.joint_parents.clear();
         // Whatever does not move is one: the number after the last slot.
         plan.joint_parents.extend(0..=slots as u32);
-        let mut found = Jointed { any: false, loops: false, all_balls: true };
-        for link in &self.scratch.joint_links {
+        for link in &self.scratch.joint_links.list {
             let ends = link.bodies;
             let is_active = ends.map(|slot| self.scratch.roles[slot as usize].active);
             if is_active == [false, false] || ends.iter().any(|&slot| plan.wide.takes(slot)) {
@@ -207,11 +215,9 @@ impl World {
     }
 
     fn add_joint_rows(&mut self, plan: &mut Plan, dt: f32) {
-        plan.joints.clear();
-        plan.blocks.clear();
         let scale = self.warm_start_scale(dt) / plan.share;
         let step = self.joint_step(dt / plan.substeps as f32);
-        let links = &self.scratch.joint_links;
+        let links = &self.scratch.joint_links.list;
         for place in 0..links.len() {
             let link = &links[plan.wide.joint_order.get(place).map_or(place, |&index| index as usize)];
             let [a, b] = link.bodies.map(|slot| self.scratch.roles[slot as usize]);
@@ -238,7 +244,6 @@ impl World {
     }
 
     fn add_contact_rows(&self, plan: &mut Plan, dt: f32) {
-        plan.manifolds.clear();
         let scale = self.warm_start_scale(dt) / plan.share;
         let model = self.options.solver.friction;
         for (index, link) in self.scratch.links.iter().enumerate() {

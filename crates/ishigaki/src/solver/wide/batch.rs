@@ -146,6 +146,8 @@ pub struct Batch {
     /// Of each block of bodies: its part, whether that is a cell, a domain or both.
     pub(super) part_of_block: Vec<u8>,
     pub(super) ranks_of_bodies: Vec<u32>,
+    /// The edition of links of which branches its bodies are cut along.
+    pub(super) cut_along: Option<u64>,
     pub(super) centers: Vec<(Vec3, u32)>,
     pub(super) domain_of_body: Vec<u8>,
 }
@@ -189,7 +191,6 @@ impl Batch {
     pub fn clear(&mut self) {
         self.movers.clear();
         self.places.clear();
-        self.joints.clear();
         self.islands.clear();
         (self.divisible, self.joint_count) = (0, 0);
     }
@@ -201,7 +202,7 @@ impl Batch {
         self.substeps = if self.rests(source) { 1 } else { full };
         let source = &Source { warm_scale: source.warm_scale * full as f32 / self.substeps as f32, ..*source };
         let h = source.dt / self.substeps as f32;
-        self.joints.arrange(self.movers.records(), usize::from(self.cells), &mut self.domains);
+        self.joints.arrange(self.movers.records(), usize::from(self.cells), source.bodies, &mut self.domains);
         self.make_records();
         self.each(machine, |part| part.take_bodies(machine.level, source, h));
         self.fill_joints(machine, source, h);
@@ -236,6 +237,9 @@ impl Batch {
     fn fill_joints(&mut self, machine: Machine<'_>, source: &Source<'_>, h: f32) {
         if self.joints.is_empty() {
             return;
+        }
+        if self.joints.are_filled() {
+            return self.each_and_seam(machine, |part| part.renew_joints(source.warm_scale));
         }
         let fill = |part: &mut Part<'_>| part.fill_joints(source, h);
         let of_cells = self.each(machine, fill);

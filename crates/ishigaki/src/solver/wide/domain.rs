@@ -12,6 +12,7 @@
 use crate::body::BodyState;
 use crate::handle::Arena;
 use crate::math::Vec3;
+use crate::solver::joint_link::JointLinks;
 use crate::solver::wide::batch::{Batch, Place};
 use crate::solver::wide::contact_block::{ContactBlock, ScaleLanes, Size, TangentLanes};
 use crate::solver::wide::joint_part::{JointPart, split};
@@ -209,7 +210,7 @@ impl Batch {
     }
 
     /// Sorts bodies into domains, if they are worth it, for a share of so many threads.
-    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, joint_ranks: &[u32], share: usize) {
+    pub(crate) fn divide(&mut self, bodies: &Arena<BodyState>, links: &JointLinks, share: usize) {
         let cells = (self.joint_count as usize / JOINTS).clamp(1, CELLS);
         let domains = if cfg!(feature = "threads") { self.divisible as usize / MANIFOLDS } else { 1 };
         let parts = if cells > 1 { cells } else { domains.min(share).clamp(1, MOST) };
@@ -217,10 +218,14 @@ impl Batch {
         let mut first_records = [0; MOST];
         let first_records = &mut first_records[..parts];
         if cells > 1 {
-            self.cut_branches(joint_ranks, cells);
+            // The same bodies with the same joints are cut as they were.
+            if self.cut_along != Some(links.edition) || !self.movers.are_as_before() {
+                self.cut_branches(&links.ranks, cells);
+            }
         } else if cfg!(feature = "threads") && parts > 1 {
             self.cut_space(bodies, parts);
         }
+        self.cut_along = (cells > 1).then_some(links.edition);
         if parts > 1 {
             self.movers.arrange(&self.domain_of_body, first_records);
         }

@@ -171,6 +171,12 @@ impl JointBlock {
         (self.root, self.total) = (Self::EMPTY.root, Self::EMPTY.total);
         (self.is_round, self.turns) = (true, turns);
     }
+
+    /// For another step of the same joints.
+    pub fn renew(&mut self, warm_scale: f32) {
+        self.total = Self::EMPTY.total;
+        self.lambda.as_flattened_mut().iter_mut().for_each(|lambda| *lambda *= warm_scale);
+    }
 }
 
 impl TurnLanes {

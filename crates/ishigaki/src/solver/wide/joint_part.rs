@@ -7,7 +7,7 @@ use crate::solver::wide::domain::{Domain, Part};
 use crate::solver::wide::joint_block::{
     self as kernel, Aim, CONE, DAMPING, FRICTION, JointBlock, JointPass, TWIST, TurnLanes,
 };
-use crate::solver::wide::joints::{BallParts, JointPlace, JointWork, Joints, Mark, each_impulse};
+use crate::solver::wide::joints::{BallParts, Impulse, JointPlace, JointWork, Joints, Mark};
 use crate::solver::wide::lanes::{LANES, Lane, Record, set, splat, store};
 use crate::solver::wide::moving;
 use fearless_simd::prelude::*;
@@ -141,6 +141,13 @@ impl Part<'_> {
         filled
     }
 
+    /// The same for lanes that are filled: impulses of the step before, times `warm_scale`.
+    pub fn renew_joints(&mut self, warm_scale: f32) {
+        for block in &mut *self.joints.blocks {
+            block.renew(warm_scale);
+        }
+    }
+
     fn fill_joint(&mut self, place: JointPlace, source: &Source<'_>, h: f32, filled: &mut Filled) {
         let bodies = place.bodies.map(|body| self.local(body));
         let (lane, joint) = (place.lane as usize, source.joints.at(place.joint));
@@ -162,8 +169,9 @@ impl Part<'_> {
             fill_turns(turns, lane, &ball, [resolved.frame_a, resolved.frame_b], h);
         }
         let mut stored = joint.lambdas.iter();
-        each_impulse(&ball, block, turns, lane, |lambda| {
-            *lambda = source.warm_scale * stored.next().copied().unwrap_or(0.0);
+        Impulse::each(&ball, |impulse| {
+            let lambda = source.warm_scale * stored.next().copied().unwrap_or(0.0);
+            impulse.set(block, turns.as_deref_mut(), lane, lambda);
         });
     }
 

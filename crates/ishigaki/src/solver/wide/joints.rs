@@ -4,6 +4,8 @@
 //! of a wave share no body that moves. Colors of all joints at once would fill lanes as well, but carry a load over a few
 //! joints in a sweep; along levels it passes through a whole net, whatever the order in which its joints were added.
 //!
+//! As long as bodies and joints of a batch are those of the step before, its joints stay in their blocks, with their impulses.
+//!
 //! A large batch is cut into cells (`domain.rs`): its joints come cell by cell, and those of the seam after all cells.
 //! Several threads take cells side by side.
 
@@ -16,7 +18,6 @@ use crate::solver::wide::domain::Domain;
 use crate::solver::wide::joint_block::{self as kernel, CONE, DAMPING, FRICTION, JointBlock, Parts, TWIST, TurnLanes};
 use crate::solver::wide::lanes::{LANES, Record, get};
 use crate::solver::work;
-use crate::step::JointErrors;
 use crate::world::JointState;
 use std::ops::Range;
 
@@ -77,9 +78,24 @@ impl Mark {
     }
 }
 
+/// When joints were put into blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Stamp {
+    /// Of the links: `joint_link.rs`.
+    pub edition: u64,
+    /// Whose impulses they hold.
+    pub step: u64,
+}
+
 /// All joints of a batch.
 #[derive(Clone, Debug, Default)]
 pub struct Joints {
+    /// What they were put into blocks for; nothing if they do not stay there.
+    stamp: Option<Stamp>,
+    /// Lane by lane, the bodies of the batch then.
+    slots: Vec<u32>,
+    /// They are where they were in the step before.
+    is_kept: bool,
     /// In the order of the world.
     pub places: Vec<JointPlace>,
     /// Wave by wave.
@@ -93,7 +109,8 @@ pub struct Joints {
     pub rows: u32,
     /// Centers and rotations: the movers, then what does not move.
     pub(super) poses: Vec<Record>,
-    still: Vec<Record>,
+    /// Slots of what does not move.
+    still: Vec<u32>,
     /// Angular velocity and free angular acceleration of the movers.
     pub(super) spins: Vec<Record>,
     /// Velocities of the recovery by poses.
@@ -156,28 +173,51 @@ impl BallParts {
     }
 }
 
-/// A number of a lane, in the order in which a joint keeps its impulses: `constraint/ball.rs`.
-pub(super) fn each_impulse(
-    ball: &BallParts,
-    block: &mut JointBlock,
-    turns: Option<&mut TurnLanes>,
-    lane: usize,
-    mut visit: impl FnMut(&mut f32),
-) {
-    if let Some(turns) = turns {
+/// Where the lanes have an impulse of a joint.
+#[derive(Clone, Copy)]
+pub(super) enum Impulse {
+    /// Which of [`TurnLanes::drags`], and along which axis.
+    Drag(usize, usize),
+    /// Which of [`TurnLanes::ranges`], and of which end.
+    End(usize, usize),
+    /// Along which axis.
+    Point(usize),
+}
+
+impl Impulse {
+    /// Those of a joint, in the order in which it keeps them: `constraint/ball.rs`.
+    pub fn each(ball: &BallParts, mut visit: impl FnMut(Self)) {
         for (drag, exists) in [(FRICTION, ball.friction > 0.0), (DAMPING, ball.damping > 0.0)] {
             if exists {
-                turns.drags[drag].lambda.iter_mut().for_each(|lambda| visit(&mut lambda[lane]));
+                (0..3).for_each(|axis| visit(Self::Drag(drag, axis)));
             }
         }
         let twist = ball.twist.map_or([false; 2], |t| [t.lower.is_finite(), t.upper.is_finite()]);
         for (range, end, exists) in [(TWIST, 0, twist[0]), (TWIST, 1, twist[1]), (CONE, 1, ball.cone.is_some())] {
             if exists {
-                visit(&mut turns.ranges[range].lambda[end][lane]);
+                visit(Self::End(range, end));
             }
         }
+        (0..3).for_each(|axis| visit(Self::Point(axis)));
     }
-    block.lambda.iter_mut().for_each(|lambda| visit(&mut lambda[lane]));
+
+    fn of(self, block: &JointBlock, turns: Option<&TurnLanes>, lane: usize) -> f32 {
+        match self {
+            Self::Point(axis) => block.lambda[axis][lane],
+            Self::Drag(drag, axis) => turns.map_or(0.0, |turns| turns.drags[drag].lambda[axis][lane]),
+            Self::End(range, end) => turns.map_or(0.0, |turns| turns.ranges[range].lambda[end][lane]),
+        }
+    }
+
+    /// Writes it.
+    pub fn set(self, block: &mut JointBlock, turns: Option<&mut TurnLanes>, lane: usize, impulse: f32) {
+        match (self, turns) {
+            (Self::Point(axis), _) => block.lambda[axis][lane] = impulse,
+            (Self::Drag(drag, axis), Some(turns)) => turns.drags[drag].lambda[axis][lane] = impulse,
+            (Self::End(range, end), Some(turns)) => turns.ranges[range].lambda[end][lane] = impulse,
+            (_, None) => {}
+        }
+    }
 }
 
 fn pose_record(center: Vec3, rotation: Quat) -> Record {
@@ -248,8 +288,27 @@ impl std::ops::AddAssign for JointWork {
 }
 
 impl Joints {
-    /// Forgets all.
-    pub fn clear(&mut self) {
+    /// Leaves so many joints of these bodies where they are, if they are those of the step before; else forgets all.
+    /// Nothing stays that has no stamp.
+    pub(crate) fn keep(&mut self, slots: &[u32], count: u32, now: Option<Stamp>) -> bool {
+        self.is_kept = now.is_some() && self.stamp == now && self.places.len() == count as usize && self.slots == slots;
+        self.stamp = now.map(|now| Stamp { step: now.step + 1, ..now });
+        if !self.is_kept {
+            self.clear();
+            self.slots.clear();
+            if count > 0 {
+                self.slots.extend_from_slice(slots);
+            }
+        }
+        self.is_kept
+    }
+
+    /// They need not be added.
+    pub fn is_kept(&self) -> bool {
+        self.is_kept
+    }
+
+    fn clear(&mut self) {
         self.places.clear();
         self.still.clear();
         self.marks.clear();
@@ -263,13 +322,12 @@ impl Joints {
     }
 
     /// Adds a joint; `bodies` are their indices in the batch.
-    pub(crate) fn add(&mut self, link: &JointLink, bodies: [u32; 2], cell: u8, world: &Arena<BodyState>) {
+    pub(crate) fn add(&mut self, link: &JointLink, bodies: [u32; 2], cell: u8) {
         // What does not move has its pose after those of the movers, whose number is not known yet.
         let mut poses = bodies;
         for (pose, end) in poses.iter_mut().zip(link.bodies) {
             if *pose == 0 {
-                let body = world.at(end);
-                self.still.push(pose_record(body.center, body.rotation));
+                self.still.push(end);
                 *pose = u32::MAX - (self.still.len() as u32 - 1);
             }
         }
@@ -280,9 +338,15 @@ impl Joints {
     /// Waves and blocks, among so many records; which of them are of which domain, where bodies are of so many cells.
     /// A line of its own in profiles.
     #[inline(never)]
-    pub(crate) fn arrange(&mut self, records: usize, cells: usize, domains: &mut [Domain]) {
-        self.turns.clear();
+    pub(crate) fn arrange(
+        &mut self,
+        records: usize,
+        cells: usize,
+        bodies: &Arena<BodyState>,
+        domains: &mut [Domain],
+    ) {
         if self.is_empty() {
+            self.turns.clear();
             self.blocks.clear();
             self.names.clear();
             for list in [&mut self.poses, &mut self.spins, &mut self.pushes] {
@@ -290,16 +354,41 @@ impl Joints {
             }
             return;
         }
-        self.cells.resize_with(cells + 1, Cell::default);
-        self.make_waves(records);
-        self.make_blocks();
-        self.name_joints();
+        if self.is_kept {
+            self.empty_turns();
+        } else {
+            self.turns.clear();
+            self.cells.resize_with(cells + 1, Cell::default);
+            self.make_waves(records);
+            self.make_blocks();
+            self.name_joints();
+        }
         self.share_out(domains);
         // Whatever is in them is written over before it is read.
         for records_of in [&mut self.poses, &mut self.spins, &mut self.pushes] {
             records_of.resize(records, Record::default());
         }
-        self.poses.append(&mut self.still);
+        let still = self.still.iter().map(|&slot| bodies.at(slot));
+        self.poses.extend(still.map(|body| pose_record(body.center, body.rotation)));
+    }
+
+    /// Whether their lanes hold all that lanes are filled with: those that ask nothing of rotations.
+    pub(super) fn are_filled(&self) -> bool {
+        self.is_kept && self.turns.is_empty()
+    }
+
+    /// Blocks that stay, before lanes are filled anew.
+    fn empty_turns(&mut self) {
+        if self.turns.is_empty() {
+            return;
+        }
+        (self.rows, self.work) = (0, JointWork::default());
+        for turns in &mut self.turns {
+            *turns = TurnLanes::new(turns.parts);
+        }
+        for block in &mut self.blocks {
+            block.begin(block.turns);
+        }
     }
 
     /// Which joints are of which domain: of each cell's its own, or all of one. One cell among several domains is theirs
@@ -416,25 +505,33 @@ impl Joints {
         }
     }
 
-    /// Impulses, forces and errors back into the world; `share` makes stored impulses of those of a substep.
-    pub(crate) fn store(&mut self, joints: &mut Arena<JointState>, share: f32, dt: f32, errors: &mut JointErrors) {
-        for place in &self.places {
-            let (lane, block) = (place.lane as usize, &mut self.blocks[place.block as usize]);
-            let mut turns = self.turns.get_mut(block.turns as usize);
-            let joint = joints.at_mut(place.joint);
-            let ball = BallParts::at(place, joint);
-            let mut stored = joint.lambdas.iter_mut();
-            each_impulse(&ball, block, turns.as_deref_mut(), lane, |lambda| {
-                if let Some(stored) = stored.next() {
-                    *stored = share * *lambda;
-                }
-            });
-            joint.force = get(&block.total, lane) / dt;
-            let (torque, error) = turns.map_or((Vec3::ZERO, 0.0), |turns| reaction(turns, lane));
-            (joint.torque, joint.angle_error) = (torque / dt, error);
-            joint.anchor_error = get(&block.gap, lane).length();
-            errors.add(joint.anchor_error);
-        }
+    /// Places of the joints in these slots.
+    pub(crate) fn places_in(&self, slots: Range<u32>) -> &[JointPlace] {
+        let below = |slot: u32| self.places.partition_point(|place| place.joint < slot);
+        &self.places[below(slots.start)..below(slots.end)]
+    }
+
+    /// Impulses, force and errors of a joint, for the world. What has joints takes all substeps: its impulses are those of
+    /// one.
+    pub(crate) fn store(&self, place: &JointPlace, joint: &mut JointState, dt: f32) {
+        let (lane, block) = (place.lane as usize, &self.blocks[place.block as usize]);
+        let turns = self.turns.get(block.turns as usize);
+        let ball = BallParts::at(place, joint);
+        let mut stored = joint.lambdas.iter_mut();
+        Impulse::each(&ball, |impulse| {
+            if let Some(stored) = stored.next() {
+                *stored = impulse.of(block, turns, lane);
+            }
+        });
+        joint.force = get(&block.total, lane) / dt;
+        let (torque, error) = turns.map_or((Vec3::ZERO, 0.0), |turns| reaction(turns, lane));
+        (joint.torque, joint.angle_error) = (torque / dt, error);
+        joint.anchor_error = get(&block.gap, lane).length();
+    }
+
+    /// They do not stay where they are: something else solves them.
+    pub fn give_up(&mut self) {
+        self.stamp = None;
     }
 }
 

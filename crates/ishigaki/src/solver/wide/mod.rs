@@ -39,6 +39,8 @@ pub struct Wide {
     pub used: usize,
     /// Rows of all batches.
     pub rows: usize,
+    /// It takes all that moves.
+    pub takes_all: bool,
     /// Of each contact and manifold: its place among the blocks, where the reference solves them in that order.
     pub order: Vec<(u32, u32, u32)>,
     /// Links of joints in the order of visits, for the same.
@@ -55,7 +57,6 @@ pub struct Wide {
     hangs: Vec<bool>,
     /// Of each island: least and greatest 1/m, 1/kg.
     inverse_masses: Vec<[f32; 2]>,
-    joint_parents: Vec<u32>,
     batch_of_island: Vec<u32>,
     /// Of each island: its number in its batch.
     local_island: Vec<u32>,
@@ -73,6 +74,7 @@ impl Default for Wide {
             batches: Vec::new(),
             used: 0,
             rows: 0,
+            takes_all: false,
             order: Vec::new(),
             joint_order: Vec::new(),
             batch_of: Vec::new(),
@@ -84,7 +86,6 @@ impl Default for Wide {
             loops: Vec::new(),
             hangs: Vec::new(),
             inverse_masses: Vec::new(),
-            joint_parents: Vec::new(),
             batch_of_island: Vec::new(),
             local_island: Vec::new(),
             island_of: Vec::new(),

@@ -184,6 +184,11 @@ impl Movers {
         self.slots.push(slot);
     }
 
+    /// Whether they are those that were last put domain by domain, in the same order.
+    pub fn are_as_before(&self) -> bool {
+        self.slots == self.in_order
+    }
+
     /// Puts the bodies domain by domain, in whole blocks and with a ground of its own before each; the records of these.
     pub fn arrange(&mut self, domain_of_body: &[u8], grounds: &mut [usize]) {
         std::mem::swap(&mut self.slots, &mut self.in_order);

@@ -12,6 +12,7 @@ use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{IslandState, Place, Source};
 use crate::solver::wide::contact_block::Size;
 use crate::solver::wide::domain::Machine;
+use crate::solver::wide::joints::Stamp;
 use crate::solver::wide::lanes::LANES;
 use crate::union_find::{root, unite};
 use crate::world::World;
@@ -41,8 +42,7 @@ fn options_fit(options: &WorldOptions) -> bool {
 impl World {
     /// Decides which islands are solved wide and builds their batches.
     pub(crate) fn build_batches(&mut self, wide: &mut Wide, dt: f32) {
-        wide.used = 0;
-        wide.rows = 0;
+        (wide.used, wide.rows, wide.takes_all) = (0, 0, false);
         wide.order.clear();
         wide.joint_order.clear();
         wide.level = if self.options.solver.wide.narrow { Level::baseline() } else { Level::new() };
@@ -77,7 +77,7 @@ impl World {
             first += LANES as u32 * batch.blocks.len() as u32;
         }
         wide.order.sort_unstable();
-        let links = &self.scratch.joint_links;
+        let links = &self.scratch.joint_links.list;
         let mut visits: Vec<(u32, u32, u32)> = (0..links.len() as u32).map(|index| (0, index, 0)).collect();
         for place in wide.batches[..wide.used].iter().flat_map(|batch| &batch.joints.places) {
             if let Ok(index) = links.binary_search_by_key(&place.joint, |link| link.joint) {
@@ -88,7 +88,8 @@ impl World {
         wide.joint_order.extend(visits.iter().map(|&(_, index, _)| index));
         wide.batch_of.fill(NONE);
         self.scratch.links.iter_mut().for_each(|link| link.batch = Link::NONE);
-        (wide.used, wide.rows) = (0, 0);
+        wide.batches[..wide.used].iter_mut().for_each(|batch| batch.joints.give_up());
+        (wide.used, wide.rows, wide.takes_all) = (0, 0, false);
     }
 
     /// Unites islands over contacts and marks those that the wide path cannot solve.
@@ -140,8 +141,7 @@ impl World {
         }
     }
 
-    /// Marks islands with joints, those that the lanes have no rows for, and those whose joints close loops, over what does
-    /// not move or not.
+    /// Marks islands with joints, those that the lanes have no rows for, and those whose joints close loops.
     fn group_joints(&self, wide: &mut Wide) {
         let islands = wide.parents.len();
         for flags in [&mut wide.loops, &mut wide.hangs] {
@@ -151,24 +151,14 @@ impl World {
         wide.joint_counts.clear();
         wide.joint_counts.resize(islands, 0);
         let roles = &self.scratch.roles[..];
-        let ground = roles.len() as u32;
-        wide.joint_parents.clear();
-        wide.joint_parents.extend(0..=ground);
-        for link in &self.scratch.joint_links {
+        for link in &self.scratch.joint_links.list {
             let ends = link.bodies.map(|slot| &roles[slot as usize]);
             let island = ends.iter().find(|role| role.active).map(|role| role.island as usize);
             let Some(island) = island.filter(|_| ends.iter().all(|role| !role.broken)) else { continue };
             wide.joint_counts[island] += 1;
             wide.hangs[island] |= ends.iter().any(|role| !role.active);
             wide.unfit[island] |= !link.fits || ends.iter().any(|role| role.moving_ground);
-            // Whatever does not move is one: the number after the last slot.
-            let [a, b] = link.bodies.map(|slot| if roles[slot as usize].active { slot } else { ground });
-            let [root_a, root_b] = [a, b].map(|node| root(&mut wide.joint_parents, node));
-            if root_a != root_b {
-                unite(&mut wide.joint_parents, root_a, root_b);
-            } else if link.is_first {
-                wide.loops[island] = true;
-            }
+            wide.loops[island] |= link.closes;
         }
     }
 
@@ -204,9 +194,11 @@ impl World {
         wide.local_island.resize(wide.parents.len(), NONE);
         wide.island_of.clear();
         wide.island_of.resize(self.bodies.slot_count(), NONE);
+        wide.takes_all = true;
         for (slot, role) in (0..).zip(&self.scratch.roles).filter(|(_, role)| role.active) {
             let number = wide.batch_of_island[role.island as usize];
             if number == NONE {
+                wide.takes_all = false;
                 continue;
             }
             let batch = &mut wide.batches[number as usize];
@@ -229,22 +221,14 @@ impl World {
         for batch in batches {
             // Batches side by side keep threads at work without meetings: what is cut is more than a thread's share.
             let share = (2 * threads * batch.size() + sum) / (2 * sum).max(1);
-            batch.divide(&self.bodies, &self.scratch.joint_ranks, share);
+            batch.divide(&self.bodies, &self.scratch.joint_links, share);
             batch.movers.bodies().for_each(|(index, slot)| wide.index_of[slot as usize] = index);
         }
     }
 
     fn fill_batches(&mut self, wide: &mut Wide, dt: f32) {
         self.place_manifolds(wide);
-        for link in &self.scratch.joint_links {
-            let Some(&mover) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
-            if link.bodies.iter().all(|&s| !self.scratch.roles[s as usize].broken) {
-                let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
-                let batch = &mut wide.batches[wide.batch_of[mover as usize] as usize];
-                let cell = batch.cell_of(bodies);
-                batch.joints.add(link, bodies, cell, &self.bodies);
-            }
-        }
+        self.place_joints(wide);
         let source = Source {
             contacts: &self.contacts,
             joints: &self.joints,
@@ -256,6 +240,30 @@ impl World {
         let machine = Machine { level: wide.level, workers: &self.workers };
         machine.each_batch(&mut wide.batches[..wide.used], |batch| batch.build(machine, &source));
         wide.rows = wide.batches[..wide.used].iter().map(|b| (b.rows + b.joints.rows) as usize).sum();
+    }
+
+    /// Joints into their batches, but for those that are there.
+    fn place_joints(&self, wide: &mut Wide) {
+        let links = &self.scratch.joint_links;
+        let roles = &self.scratch.roles[..];
+        let is_whole = links.list.is_empty() || !roles.iter().any(|role| role.broken);
+        let now = is_whole.then_some(Stamp { edition: links.edition, step: self.step_count });
+        let mut all_kept = true;
+        for batch in &mut wide.batches[..wide.used] {
+            all_kept &= batch.joints.keep(&batch.movers.slots, batch.joint_count, now);
+        }
+        if all_kept {
+            return;
+        }
+        for link in &links.list {
+            let Some(&mover) = link.bodies.iter().find(|&&s| wide.batch_of[s as usize] != NONE) else { continue };
+            let batch = &mut wide.batches[wide.batch_of[mover as usize] as usize];
+            if !batch.joints.is_kept() && link.bodies.iter().all(|&s| !roles[s as usize].broken) {
+                let bodies = link.bodies.map(|s| wide.index_of[s as usize]);
+                let cell = batch.cell_of(bodies);
+                batch.joints.add(link, bodies, cell);
+            }
+        }
     }
 
     /// Manifolds into their batches.

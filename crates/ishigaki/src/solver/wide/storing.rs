@@ -5,6 +5,7 @@ use crate::collision::manifold::{Contact, Manifold};
 use crate::collision::update::Touch;
 use crate::solver::wide::Wide;
 use crate::solver::wide::batch::{Batch, Place};
+use crate::step::JointErrors;
 use crate::world::World;
 
 /// What a part of the contacts shows at the end of a step.
@@ -22,18 +23,17 @@ impl World {
     /// Takes over what the batches found, and sums up all contacts.
     pub(crate) fn store_batches(&mut self, wide: &mut Wide, dt: f32) {
         let full = self.options.solver.substeps as f32;
-        for batch in &mut wide.batches[..wide.used] {
+        for batch in &wide.batches[..wide.used] {
             self.report.work += batch.outcome.work;
             self.report.residual = self.report.residual.max(batch.outcome.residual);
             for &(body, steps) in &batch.outcome.pauses {
                 self.bodies.at_mut(body).no_correction_until = self.step_count + steps;
             }
-            let errors = &mut self.scratch.joint_errors;
-            batch.joints.store(&mut self.joints, batch.substeps as f32 / full, dt, errors);
         }
+        self.store_joints(wide, dt);
         let batches = &wide.batches[..wide.used];
         if wide.used > 0 {
-            let mut no_outputs = vec![(); self.workers.parts(self.bodies.slot_count())];
+            let mut no_outputs = self.workers.no_outputs(self.bodies.slot_count());
             self.workers.in_parts(self.bodies.all(), &mut no_outputs, |bodies, ()| {
                 let batch_of = |slot: u32| batches.get(wide.batch_of[slot as usize] as usize);
                 for (slot, body) in bodies.objects_where(|slot| batch_of(slot).is_some()) {
@@ -56,6 +56,30 @@ impl World {
             }
         });
         self.scratch.contact_sums = sums;
+    }
+}
+
+impl World {
+    /// Impulses, forces and errors of joints.
+    fn store_joints(&mut self, wide: &Wide, dt: f32) {
+        let batches = &wide.batches[..wide.used];
+        if batches.iter().all(|batch| batch.joints.is_empty()) {
+            return;
+        }
+        let mut sums = std::mem::take(&mut self.scratch.joint_sums);
+        sums.clear();
+        sums.resize(self.workers.parts(self.joints.slot_count()), JointErrors::default());
+        self.workers.in_parts(self.joints.all(), &mut sums, |mut joints, errors| {
+            for batch in batches {
+                for place in batch.joints.places_in(joints.range()) {
+                    let joint = joints.at_mut(place.joint);
+                    batch.joints.store(place, joint, dt);
+                    errors.add(joint.anchor_error);
+                }
+            }
+        });
+        sums.iter().for_each(|&errors| self.scratch.joint_errors += errors);
+        self.scratch.joint_sums = sums;
     }
 }
 
