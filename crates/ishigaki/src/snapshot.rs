@@ -3,7 +3,7 @@
 use crate::body::{BodyState, ShapeState};
 use crate::collision::broad_phase::BroadPhase;
 use crate::collision::manifold::Contact;
-use crate::collision::pair::Pair;
+use crate::collision::pair::PairList;
 use crate::error::{Error, Result};
 use crate::event::Event;
 use crate::handle::Arena;
@@ -32,7 +32,8 @@ struct Written {
     bodies: Arena<BodyState>,
     shapes: Arena<ShapeState>,
     joints: Arena<JointState>,
-    pairs: Vec<Pair>,
+    pairs: PairList,
+    #[serde(serialize_with = "write_contacts")]
     contacts: Vec<Contact>,
     excluded: Vec<(u32, u32)>,
     jointed: Vec<(u32, u32)>,
@@ -59,6 +60,12 @@ struct Reading(#[serde(with = "Written")] World);
 
 fn write<S: Serializer>(world: &&World, serializer: S) -> std::result::Result<S::Ok, S::Error> {
     Written::serialize(world, serializer)
+}
+
+/// Those with points: no others make a difference.
+fn write_contacts<S: Serializer>(contacts: &[Contact], serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    let contacts: Vec<&Contact> = contacts.iter().filter(|contact| !contact.is_empty()).collect();
+    contacts.serialize(serializer)
 }
 
 impl World {

@@ -3,7 +3,7 @@
 use crate::body::{Body, BodyState, ShapeId, ShapeState};
 use crate::collision::broad_phase::BroadPhase;
 use crate::collision::manifold::{Contact, Manifold};
-use crate::collision::pair::Pair;
+use crate::collision::pair::PairList;
 use crate::constraint::joint::Joint;
 use crate::constraint::joint_rows::ResolvedJoint;
 use crate::error::{Error, Result};
@@ -29,7 +29,7 @@ pub struct World {
     pub(crate) shapes: Arena<ShapeState>,
     pub(crate) joints: Arena<JointState>,
     /// Pairs whose bounds overlap, sorted by (shape_a, shape_b).
-    pub(crate) pairs: Vec<Pair>,
+    pub(crate) pairs: PairList,
     /// Those of them with contact points, in the same order.
     pub(crate) contacts: Vec<Contact>,
     /// Pairs of bodies that never touch because the user said so; sorted, each (low slot, high slot).
@@ -144,7 +144,7 @@ impl Default for World {
             bodies: Arena::default(),
             shapes: Arena::default(),
             joints: Arena::default(),
-            pairs: Vec::new(),
+            pairs: PairList::default(),
             contacts: Vec::new(),
             excluded: Vec::new(),
             jointed: Vec::new(),

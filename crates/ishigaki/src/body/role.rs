@@ -23,6 +23,8 @@ pub(crate) struct Role {
     pub edited: bool,
     /// It has a mass and may move and turn along all axes.
     pub free: bool,
+    /// It may be stopped at walls.
+    pub continuous: bool,
     /// At the end of the step: it was not slow for long enough to sleep.
     pub restless: bool,
 }
@@ -39,6 +41,7 @@ impl Role {
         broken: false,
         edited: false,
         free: false,
+        continuous: false,
         restless: false,
     };
 
@@ -64,6 +67,7 @@ impl Role {
             broken: body.broken,
             edited: body.edited,
             free: !body.locked_translation.contains(&true) && !body.has_locked_rotation() && body.inverse_mass > 0.0,
+            continuous: body.continuous,
             restless: false,
         }
     }

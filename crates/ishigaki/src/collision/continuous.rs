@@ -53,12 +53,15 @@ pub(crate) fn time_of_impact(a: &Geometry, pose_a: &Pose, b: &Geometry, pose_b: 
 impl World {
     /// Stops continuous bodies where their path of this step would have led through something.
     pub(crate) fn stop_at_walls(&mut self) {
-        if !self.bodies.iter().any(|(_, body)| body.continuous && body.is_active()) {
+        if !self.scratch.roles.iter().any(|role| role.active && role.continuous) {
             return;
         }
         // All pairs, not only those with points: where a row stops a body, nothing is left to do here.
-        for i in 0..self.pairs.len() {
-            let Pair { shape_a, shape_b, .. } = self.pairs[i];
+        for i in 0..self.pairs.all.len() {
+            let pair @ Pair { shape_a, shape_b, .. } = self.pairs.all[i];
+            if pair.is_gone() {
+                continue;
+            }
             let (shape_a, shape_b) = (self.shapes.at(shape_a), self.shapes.at(shape_b));
             if shape_a.shape.sensor || shape_b.shape.sensor {
                 continue;

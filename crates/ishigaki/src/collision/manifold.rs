@@ -128,6 +128,11 @@ impl Contact {
         }
     }
 
+    /// It has no points any more: it may stay in the list for some steps, longer than its pair.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.manifolds.is_empty()
+    }
+
     /// Without a box for what there is nothing of.
     pub(crate) fn set_extras(&mut self, extras: SurfaceExtras) {
         if extras == SurfaceExtras::default() {

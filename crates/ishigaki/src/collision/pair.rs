@@ -1,11 +1,11 @@
 //! What is kept of a pair of shapes whose bounds overlap: little, since most such pairs never touch.
 //!
 //! Only pairs with contact points have a [`Contact`](crate::collision::manifold::Contact), which is some ten times
-//! as large. Both lists are sorted by (shape_a, shape_b), and every contact has its pair.
+//! as large. Both lists are sorted by (shape_a, shape_b), and every contact with points has its pair.
 
-use crate::collision::manifold::Contact;
 use crate::collision::pair_memory::PairMemory;
-use serde::{Deserialize, Serialize};
+use crate::collision::room::{self, Room};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A pair of shapes whose fat bounds overlap.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -25,54 +25,104 @@ impl Pair {
     pub fn key(&self) -> (u32, u32) {
         (self.shape_a, self.shape_b)
     }
-}
 
-/// Puts the sorted `new` pairs into the sorted `pairs`; none of them is there yet.
-pub(crate) fn insert_pairs(pairs: &mut Vec<Pair>, new: &[(u32, u32)]) {
-    let mut rest = pairs.len();
-    pairs.extend(new.iter().map(|&key| Pair::new(key)));
-    // From the back, each pair moves at most once.
-    for (i, &key) in new.iter().enumerate().rev() {
-        let place = pairs[..rest].partition_point(|pair| pair.key() < key);
-        pairs.copy_within(place..rest, place + i + 1);
-        pairs[place + i] = Pair::new(key);
-        rest = place;
+    /// Its bounds came apart: it only makes room.
+    pub fn is_gone(&self) -> bool {
+        self.memory.gone
     }
 }
 
-/// Takes the pairs with these indices out, which come in their order.
-pub(crate) fn remove_pairs(pairs: &mut Vec<Pair>, gone: impl Iterator<Item = usize>) {
-    // Up to the first of them all stay where they are.
-    let (mut kept, mut next) = (0, 0);
-    for index in gone {
-        if kept < next {
-            pairs.copy_within(next..index, kept);
+/// Pairs in the order of their keys; some of them are gone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PairList {
+    pub all: Vec<Pair>,
+    /// How many of them only make room.
+    gone: usize,
+}
+
+impl PairList {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.all.len() - self.gone
+    }
+
+    /// Those that are there.
+    pub fn iter(&self) -> impl Iterator<Item = &Pair> {
+        self.all.iter().filter(|pair| !pair.is_gone())
+    }
+
+    /// Whether this one is there.
+    pub fn contains(&self, key: (u32, u32)) -> bool {
+        self.all.binary_search_by_key(&key, Pair::key).is_ok_and(|at| !self.all[at].is_gone())
+    }
+
+    /// Only those that are chosen stay.
+    pub fn retain(&mut self, mut is_chosen: impl FnMut(&Pair) -> bool) {
+        self.all.retain(|pair| !pair.is_gone() && is_chosen(pair));
+        self.gone = 0;
+    }
+
+    /// Takes these out, which are there.
+    pub fn remove(&mut self, indices: impl Iterator<Item = usize>) {
+        for index in indices {
+            self.all[index].memory.gone = true;
+            self.gone += 1;
         }
-        (kept, next) = (kept + index - next, index + 1);
     }
-    if kept < next {
-        pairs.copy_within(next.., kept);
-        pairs.truncate(kept + pairs.len() - next);
+
+    /// Puts new ones in, which are sorted; none of them is there yet.
+    pub fn insert(&mut self, new: &[(u32, u32)]) {
+        if room::is_full_of_gone(self.gone, self.all.len()) {
+            self.retain(|_| true);
+        }
+        if self.gone == 0 {
+            return self.merge(new);
+        }
+        let are_few = room::are_few(new.len(), self.all.len());
+        let far: Vec<_> = new.iter().copied().filter(|&key| !self.put_near(key, are_few)).collect();
+        self.merge(&far);
+    }
+
+    /// Puts one where it was, or, if they are few, where something nearby is gone; whether there was room.
+    fn put_near(&mut self, key: (u32, u32), are_few: bool) -> bool {
+        let Self { all, gone } = self;
+        let place = all.partition_point(|pair| pair.key() < key);
+        let room = || Room::near(place, all.len(), |at| all[at].is_gone());
+        let place = if all.get(place).is_some_and(|pair| pair.key() == key) {
+            place
+        } else if let Some(room) = are_few.then(room).flatten() {
+            room.make(all)
+        } else {
+            return false;
+        };
+        all[place] = Pair::new(key);
+        *gone -= 1;
+        true
+    }
+
+    fn merge(&mut self, new: &[(u32, u32)]) {
+        let all = &mut self.all;
+        let mut rest = all.len();
+        all.extend(new.iter().map(|&key| Pair::new(key)));
+        // From the back, each pair moves at most once.
+        for (i, &key) in new.iter().enumerate().rev() {
+            let place = all[..rest].partition_point(|pair| pair.key() < key);
+            all.copy_within(place..rest, place + i + 1);
+            all[place + i] = Pair::new(key);
+            rest = place;
+        }
     }
 }
 
-/// Puts the sorted `new` contacts into the sorted `contacts`, and empties `new`.
-pub(crate) fn insert_contacts(contacts: &mut Vec<Contact>, new: &mut Vec<Contact>) {
-    let mut rest = contacts.len();
-    if contacts.last().zip(new.first()).is_none_or(|(last, first)| last.key() < first.key()) {
-        append(contacts, new);
-        return;
+impl Serialize for PairList {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.iter().collect::<Vec<_>>().serialize(serializer)
     }
-    // Contacts are large: as above they move at most once, changing places with the new ones at the end.
-    contacts.extend((0..new.len()).map(|_| Contact::new((0, 0), (0, 0), false)));
-    while let Some(contact) = new.pop() {
-        let key = contact.key();
-        while rest > 0 && contacts[rest - 1].key() > key {
-            contacts.swap(rest + new.len(), rest - 1);
-            rest -= 1;
-        }
-        let place = rest + new.len();
-        contacts[place] = contact;
+}
+
+impl<'de> Deserialize<'de> for PairList {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(Self { all: Vec::deserialize(deserializer)?, gone: 0 })
     }
 }
 
@@ -105,25 +155,32 @@ mod tests {
         memory
     }
 
-    /// All ways to deal six keys to two lists.
+    /// All ways in which six pairs may be new, old, gone or nowhere, among few and among many others.
     #[test]
-    fn lists_are_merged_in_order() {
-        let keys: Vec<(u32, u32)> = (0..6).map(|i| (i / 3, 3 + i)).collect();
-        for dealt in 0..64_u32 {
-            let (new, old): (Vec<_>, Vec<_>) = keys.iter().partition(|key| dealt >> (key.1 - 3) & 1 == 1);
+    fn pairs_stay_in_order() {
+        for dealt in 0..4_u32.pow(6) {
+            let digit = |i: u32| dealt / 4_u32.pow(i) % 4;
+            let key = |i: u32| (i / 3, 3 + i);
+            let keys = |kind: u32| (0..6).filter(move |&i| digit(i) == kind).map(key);
+            let others = (6..if dealt % 2 == 0 { 8 } else { 600 }).map(key);
             let memory = with_axis(7);
-            let mut pairs: Vec<Pair> = old.iter().map(|&key: &(u32, u32)| Pair { memory, ..Pair::new(key) }).collect();
-            insert_pairs(&mut pairs, &new);
-            assert!(pairs.iter().map(Pair::key).eq(keys.iter().copied()), "{dealt}");
-            assert!(pairs.iter().all(|p| (p.memory.axis == 7) == old.contains(&p.key())));
-            let mut gone = new.iter().map(|key| keys.iter().position(|k| k == key).unwrap());
-            remove_pairs(&mut pairs, &mut gone);
-            assert!(pairs.iter().map(Pair::key).eq(old.iter().copied()), "{dealt}");
-            let make = |keys: &[(u32, u32)]| keys.iter().map(|&key| Contact::new(key, key, false)).collect::<Vec<_>>();
-            let (mut contacts, mut fresh) = (make(&old), make(&new));
-            insert_contacts(&mut contacts, &mut fresh);
-            assert!(contacts.iter().map(Contact::key).eq(keys.iter().copied()) && fresh.is_empty(), "{dealt}");
-            assert!(contacts.iter().all(|c| (c.body_a, c.body_b) == c.key()));
+            let mut list = PairList::default();
+            list.insert(&(0..6).filter(|&i| digit(i) > 1).map(key).chain(others.clone()).collect::<Vec<_>>());
+            list.all.iter_mut().for_each(|pair| pair.memory = memory);
+            let gone: Vec<_> = list.all.iter().enumerate().filter(|(_, p)| keys(2).any(|k| k == p.key())).collect();
+            let gone: Vec<usize> = gone.into_iter().map(|(index, _)| index).collect();
+            list.remove(gone.into_iter());
+            assert!(keys(2).all(|key| !list.contains(key)) && keys(3).all(|key| list.contains(key)));
+            // One of those that are gone comes back.
+            let mut new: Vec<_> = keys(1).chain(keys(2).take(1)).collect();
+            new.sort_unstable();
+            list.insert(&new);
+            let mut there: Vec<_> = keys(3).chain(new.iter().copied()).chain(others).collect();
+            there.sort_unstable();
+            assert!(list.iter().map(Pair::key).eq(there.iter().copied()), "{dealt}");
+            assert_eq!(list.len(), there.len(), "{dealt}");
+            assert!(list.all.is_sorted_by_key(Pair::key), "{dealt}");
+            assert!(list.iter().all(|p| (p.memory.axis == 7) != new.contains(&p.key())), "{dealt}");
         }
     }
 }

@@ -20,6 +20,9 @@ pub struct PairMemory {
     lesson: Lesson,
     /// Aggressive sleep keeps the rows that it had at `b_in_a`.
     pub(crate) frozen: bool,
+    /// Its bounds came apart, and the pair only makes room: `room.rs`.
+    #[serde(skip)]
+    pub(crate) gone: bool,
 }
 
 /// A pose in 28 bytes, not 32: there are many pairs.
@@ -57,7 +60,7 @@ enum Lesson {
 impl Default for PairMemory {
     fn default() -> Self {
         let found = AxisBounds::default();
-        Self { axis: 0, b_in_a: (&Pose::IDENTITY).into(), found, lesson: Lesson::Nothing, frozen: false }
+        Self { axis: 0, b_in_a: (&Pose::IDENTITY).into(), found, lesson: Lesson::Nothing, frozen: false, gone: false }
     }
 }
 

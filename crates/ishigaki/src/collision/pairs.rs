@@ -5,7 +5,7 @@
 
 use crate::body::{BodyKind, BodyState, ShapeState};
 use crate::collision::continuous::start_center;
-use crate::collision::pair::{Pair, clear_burst, insert_pairs, remove_pairs};
+use crate::collision::pair::{Pair, clear_burst};
 use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
 use crate::math::Vec3;
 use crate::shape::Groups;
@@ -84,23 +84,23 @@ impl World {
 
     fn drop_parted_pairs(&mut self) {
         let Scratch { moves: parts, proxies, .. } = &mut self.scratch;
-        let (pairs, contacts, bounds) = (&self.pairs[..], &self.contacts[..], &proxies.bounds[..]);
+        let (pairs, contacts, bounds) = (&self.pairs.all[..], &self.contacts[..], &proxies.bounds[..]);
         parts.resize_with(self.workers.parts(pairs.len()), Moves::default);
         self.workers.in_parts(0..pairs.len(), parts, |indices, moves| {
             moves.parted.clear();
             moves.has_ended = false;
             let mut rest = contacts;
             for (pair, index) in pairs[indices.clone()].iter().zip(indices) {
-                if bounds[pair.shape_a as usize][0].touch(&bounds[pair.shape_b as usize][0]) {
+                if pair.is_gone() || bounds[pair.shape_a as usize][0].touch(&bounds[pair.shape_b as usize][0]) {
                     continue;
                 }
                 moves.parted.push(index as u32);
                 rest = &rest[rest.partition_point(|contact| contact.key() < pair.key())..];
-                moves.has_ended |= rest.first().is_some_and(|contact| contact.key() == pair.key());
+                moves.has_ended |= rest.first().is_some_and(|contact| contact.key() == pair.key() && !contact.is_empty());
             }
         });
         let has_ended = parts.iter().any(|part| part.has_ended);
-        remove_pairs(&mut self.pairs, parts.iter().flat_map(|part| &part.parted).map(|&index| index as usize));
+        self.pairs.remove(parts.iter().flat_map(|part| &part.parted).map(|&index| index as usize));
         if has_ended {
             self.drop_contacts_without_pair();
             self.end_gone_pairs();
@@ -166,9 +166,9 @@ impl World {
         // What moved because its user said so may know its pairs already.
         let asks_anew = |slot: u32| bounds[slot as usize][1].is_nowhere();
         found.retain(|pair| {
-            !(asks_anew(pair.0) || asks_anew(pair.1)) || self.pairs.binary_search_by_key(pair, Pair::key).is_err()
+            !(asks_anew(pair.0) || asks_anew(pair.1)) || !self.pairs.contains(*pair)
         });
-        insert_pairs(&mut self.pairs, &found);
+        self.pairs.insert(&found);
         clear_burst(&mut found);
         self.scratch.new_pairs = found;
     }

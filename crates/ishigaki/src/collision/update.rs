@@ -1,11 +1,12 @@
 //! Stage `update_contacts`: narrow phase for all pairs that may have changed; λ carried by feature id. TALK D4.
 
 use crate::body::{BodyState, ShapeState};
+use crate::collision::contact_list::ContactList;
 use crate::collision::continuous;
 use crate::collision::link::{Judge, Link};
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold, SurfaceExtras};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
-use crate::collision::pair::{Pair, append, clear_burst, insert_contacts};
+use crate::collision::pair::{Pair, append, clear_burst};
 use crate::collision::pairs::motion_in_step;
 use crate::collision::proxy::Proxies;
 use crate::constraint::contact::share_evenly;
@@ -26,7 +27,7 @@ impl World {
         let mut parts = std::mem::take(&mut self.scratch.narrow);
         let proxies = std::mem::take(&mut self.scratch.proxies);
         // Hooks are called in the order of pairs.
-        let count = if hooks.is_some() { 1 } else { self.workers.parts(pairs.len()) };
+        let count = if hooks.is_some() { 1 } else { self.workers.parts(pairs.all.len()) };
         parts.resize_with(count, Part::default);
         // The first part's links become those of the step, in the room of those of the last one.
         std::mem::swap(&mut parts[0].links, &mut self.scratch.links);
@@ -37,28 +38,25 @@ impl World {
             dt,
             judge: Judge::new(&self.options, dt),
         };
-        let whole = PairsAndContacts { pairs: &mut pairs, contacts: &mut contacts };
+        let whole = PairsAndContacts { pairs: &mut pairs.all, contacts: &mut contacts };
         match (hooks, &mut parts[..]) {
             (Some(hooks), [part]) => search.refresh(whole, part, &mut Some(hooks)),
             _ => self.workers.in_parts(whole, &mut parts, |share, part| search.refresh(share, part, &mut None)),
         }
-        self.gather(&mut parts, &mut contacts);
+        self.gather(&mut parts, contacts);
         self.scratch.proxies = proxies;
         self.scratch.narrow = parts;
-        self.contacts = contacts;
         self.pairs = pairs;
     }
 
     /// What the parts found, in the order of pairs.
-    fn gather(&mut self, parts: &mut [Part], contacts: &mut Vec<Contact>) {
-        if parts.iter().any(|part| part.emptied) {
-            contacts.retain(|contact| !contact.manifolds.is_empty());
-        }
-        let mut new_contacts = Vec::new();
+    fn gather(&mut self, parts: &mut [Part], contacts: Vec<Contact>) {
+        let empty = parts.iter().map(|part| part.empty).sum();
+        let mut new = ContactList::default();
         self.scratch.links.clear();
         self.scratch.has_woken = false;
         for part in parts {
-            append(&mut new_contacts, &mut part.new_contacts);
+            new.append(&mut part.new);
             append(&mut self.scratch.links, &mut part.links);
             self.report.frozen += part.frozen;
             self.report.narrow_phase_calls += part.calls;
@@ -66,7 +64,9 @@ impl World {
             self.report.ids_expected += part.ids_expected;
             self.tell_touches(&mut part.touches);
         }
-        insert_contacts(contacts, &mut new_contacts);
+        let mut list = ContactList { contacts, links: std::mem::take(&mut self.scratch.links) };
+        list.insert(new, empty);
+        (self.contacts, self.scratch.links) = (list.contacts, list.links);
     }
 
     /// Touching that began or ended: bodies feel it, and it is an event.
@@ -130,11 +130,11 @@ impl Touch {
 pub(crate) struct Part {
     found: LocalManifolds,
     old: SmallVec<[Manifold; 1]>,
-    new_contacts: Vec<Contact>,
+    new: ContactList,
     links: Vec<Link>,
     touches: Vec<Touch>,
-    /// Some contact has lost its points.
-    emptied: bool,
+    /// How many contacts have no points.
+    empty: usize,
     frozen: usize,
     calls: usize,
     ids_matched: usize,
@@ -143,10 +143,10 @@ pub(crate) struct Part {
 
 impl Part {
     fn clear(&mut self) {
-        self.new_contacts.clear();
+        self.new.clear();
         self.links.clear();
         self.touches.clear();
-        self.emptied = false;
+        self.empty = 0;
         (self.frozen, self.calls, self.ids_matched, self.ids_expected) = (0, 0, 0, 0);
     }
 }
@@ -197,27 +197,28 @@ impl Search<'_> {
             part.links.reserve_exact(share.pairs.len());
         }
         let mut known = share.contacts.iter_mut().peekable();
-        for pair in share.pairs {
+        for pair in share.pairs.iter_mut().filter(|pair| !pair.is_gone()) {
+            while let Some(contact) = known.next_if(|contact| contact.key() < pair.key()) {
+                self.push_link(contact, part);
+            }
             match known.next_if(|contact| contact.key() == pair.key()) {
                 Some(contact) => {
                     self.update_contact(pair, contact, part, hooks);
-                    if contact.manifolds.is_empty() {
-                        part.emptied = true;
-                    } else {
-                        part.links.push(self.link(contact));
-                    }
+                    self.push_link(contact, part);
                 }
                 None => self.look_for_contact(pair, part, hooks),
             }
         }
+        known.for_each(|contact| self.push_link(contact, part));
     }
 
-    fn link(&self, contact: &Contact) -> Link {
+    fn push_link(&self, contact: &Contact, part: &mut Part) {
         let (a, b) = (self.world.bodies.at(contact.body_a), self.world.bodies.at(contact.body_b));
-        Link::new(contact, a, b, &self.judge)
+        part.links.push(Link::new(contact, a, b, &self.judge));
+        part.empty += usize::from(contact.is_empty());
     }
 
-    /// A pair that has had contact points.
+    /// A pair that has, or had, contact points.
     fn update_contact(&self, pair: &mut Pair, contact: &mut Contact, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
         let (world, options) = (self.world, &self.world.options);
         let (a, b) = (world.bodies.at(contact.body_a), world.bodies.at(contact.body_b));
@@ -291,8 +292,8 @@ impl Search<'_> {
         pair.memory.frozen = contact.frozen;
         self.notice_touching(&mut contact, part);
         if !contact.manifolds.is_empty() {
-            part.links.push(Link::new(&contact, a, b, &self.judge));
-            part.new_contacts.push(contact);
+            let link = Link::new(&contact, a, b, &self.judge);
+            part.new.push(contact, link);
         }
     }
 
