@@ -18,8 +18,11 @@ use crate::union_find::{root, unite};
 use crate::world::World;
 use fearless_simd::Level;
 
-/// Manifolds of a batch, about: what fits the second cache.
-const BATCH: usize = 700;
+/// Manifolds of a batch, about: what fits the second cache, at most, and what fills lanes, at least.
+const MOST: usize = 700;
+const LEAST: usize = 200;
+/// So many batches keep threads at work evenly.
+const BATCHES: usize = 8;
 /// A tree of joints that flies freely has at most so many for the lanes, and none of its bodies is so much heavier than
 /// another: sweeps carry what is between them in time.
 const SMALL_TREE: u32 = 32;
@@ -166,7 +169,11 @@ impl World {
     fn assign_batches(&mut self, wide: &mut Wide) {
         wide.batch_of_island.clear();
         wide.batch_of_island.resize(wide.parents.len(), NONE);
+        let is_root = |&island: &usize| wide.parents[island] == island as u32;
+        let all: usize = (0..wide.parents.len()).filter(is_root).map(|island| wide.sizes[island] as usize + 1).sum();
+        let enough = (all / BATCHES).clamp(LEAST, MOST);
         // Islands with joints take sweeps of their own, and fewer where they fly.
+        let enough = [enough, MOST, MOST];
         let mut open = [(NONE, usize::MAX); 3];
         for island in 0..wide.parents.len() {
             let root = root(&mut wide.parents, island as u32) as usize;
@@ -176,8 +183,9 @@ impl World {
             if root == island {
                 let has_joints = wide.joint_counts[root] > 0;
                 let flies = wide.is_tree(root) && !wide.hangs[root];
-                let (batch, size) = &mut open[usize::from(has_joints) + usize::from(flies)];
-                if *size >= BATCH {
+                let kind = usize::from(has_joints) + usize::from(flies);
+                let (batch, size) = &mut open[kind];
+                if *size >= enough[kind] {
                     (*batch, *size) = (wide.start_batch(flies), 0);
                 }
                 *size += wide.sizes[root] as usize + 1;
