@@ -83,12 +83,15 @@ impl PairList {
         self.merge(&far);
     }
 
-    /// Puts one where it was, or, if they are few, where something nearby is gone; whether there was room.
+    /// Puts one where it was, or, if they are few, where something nearby is gone; whether it is there now.
     fn put_near(&mut self, key: (u32, u32), are_few: bool) -> bool {
         let Self { all, gone } = self;
         let place = all.partition_point(|pair| pair.key() < key);
         let room = || Room::near(place, all.len(), |at| all[at].is_gone());
-        let place = if all.get(place).is_some_and(|pair| pair.key() == key) {
+        let place = if let Some(pair) = all.get(place).filter(|pair| pair.key() == key) {
+            if !pair.is_gone() {
+                return true;
+            }
             place
         } else if let Some(room) = are_few.then(room).flatten() {
             room.make(all)

@@ -250,9 +250,9 @@ impl Batch {
         }
     }
 
+    /// Room for what is written when bodies are taken, or a substep begins.
     fn make_records(&mut self) {
         for records in [&mut self.velocities, &mut self.carried, &mut self.displacements, &mut self.roots] {
-            records.clear();
             records.resize(self.movers.records(), Record::default());
         }
         let jointed = if self.joints.is_empty() { 0 } else { self.movers.records() };
@@ -275,6 +275,11 @@ impl Batch {
 impl Part<'_> {
     /// States of the bodies, as they are in the world, and their inertias.
     fn take_bodies(&mut self, level: Level, source: &Source<'_>, h: f32) {
+        self.carried.fill(Record::default());
+        self.displacements.fill(Record::default());
+        for (block, slots) in self.movers.iter_mut().zip(self.slots.chunks(LANES)) {
+            block.begin(slots);
+        }
         let first = self.domain().records.start;
         for (index, &slot) in self.slots.iter().enumerate().filter(|&(_, &slot)| slot != NOBODY) {
             let is_jointed = self.joints.has((first + index) as u32);

@@ -80,6 +80,14 @@ impl MoverBlock {
         is_turned: false,
     };
 
+    /// Before its lanes are filled; those of bodies are written over as they are.
+    pub(super) fn begin(&mut self, slots: &[u32]) {
+        if slots.contains(&NOBODY) {
+            *self = Self::EMPTY;
+        }
+        (self.uneven, self.weighed, self.is_turned) = (0, 0, false);
+    }
+
     /// A lane for a body in substeps of `h` seconds; `is_jointed` if rows of joints turn with it.
     pub(super) fn fill(&mut self, lane: usize, body: &BodyState, gravity: Vec3, h: f32, is_jointed: bool) {
         let spin = body.spin();
@@ -174,7 +182,6 @@ impl Movers {
     pub fn clear(&mut self) {
         self.slots.clear();
         self.slots.push(NOBODY);
-        self.blocks.clear();
         self.sorted.clear();
         self.ranks.clear();
     }
@@ -224,10 +231,9 @@ impl Movers {
         self.ranks.get(record as usize).copied().unwrap_or(record)
     }
 
-    /// Whole blocks of nothing that moves, one lane for each slot.
+    /// Whole blocks, one lane for each slot.
     pub fn make_blocks(&mut self) {
         self.slots.resize(self.slots.len().next_multiple_of(LANES), NOBODY);
-        self.blocks.clear();
         self.blocks.resize(self.slots.len() / LANES, MoverBlock::EMPTY);
     }
 
