@@ -15,6 +15,8 @@ use crate::world::World;
 /// Bounds reach as far as a shape gets in so many steps at its speed: fewer shapes are put into the tree anew, but more
 /// pairs are looked at.
 const STEPS_AHEAD: f32 = 3.0;
+/// Of shapes that touch nothing: they have no pairs.
+const STEPS_AHEAD_ALONE: f32 = 8.0;
 
 impl World {
     /// Updates bounds and the list of pairs; pairs whose bounds came apart are dropped.
@@ -236,7 +238,9 @@ impl Moves {
         let (min, max) = swept_bounds(tight, shape, body, by.dt, by.margin);
         let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
         if shape.moved || !inside {
-            let (low, high) = ahead(body, max - min, by.dt);
+            let is_alone = !by.groups.allow(shape.shape.groups);
+            let steps = if is_alone { STEPS_AHEAD_ALONE } else { STEPS_AHEAD };
+            let (low, high) = ahead(body, max - min, by.dt, steps);
             let before = if shape.moved { FatBounds::NOWHERE } else { FatBounds::of(shape) };
             (shape.bounds_min, shape.bounds_max) = (min + low - by.fat, max + high + by.fat);
             places.set_bounds(slot, [FatBounds::of(shape), before]);
@@ -270,10 +274,10 @@ fn stays_inside(shape: &ShapeState, body: &BodyState, at_start: &Proxy) -> bool 
     shift.length() + 2.0 * reach * turn <= room
 }
 
-/// How much farther the bounds of a shape of this size reach, so that they hold for some steps.
-fn ahead(body: &BodyState, size: Vec3, dt: f32) -> (Vec3, Vec3) {
+/// How much farther the bounds of a shape of this size reach, so that they hold for so many steps.
+fn ahead(body: &BodyState, size: Vec3, dt: f32, steps: f32) -> (Vec3, Vec3) {
     // Not farther than it is large: what is faster finds others in each step.
-    let reach = ((STEPS_AHEAD - 1.0) * motion_in_step(body, dt)).clamp(-size, size);
+    let reach = ((steps - 1.0) * motion_in_step(body, dt)).clamp(-size, size);
     (reach.min(Vec3::ZERO), reach.max(Vec3::ZERO))
 }
 
