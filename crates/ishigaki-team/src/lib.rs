@@ -2,7 +2,7 @@
 //!
 //! A physics step has some hundred pieces of a few microseconds that several threads may share. Pools that put each piece
 //! on a list cost a microsecond for it; here a [`Team`] has one piece at a time, and who helps looks for it without pause
-//! while [`Awake`] lives, asleep otherwise. Nobody waits for who comes late: a [`meeting`](Team::meet) is over when all that
+//! while [`Awake`] lives and a moment longer, since one step often follows another; asleep otherwise. Nobody waits for who comes late: a [`meeting`](Team::meet) is over when all that
 //! came have left, and all of them call the same function, which gives out what there is to do as it likes.
 //!
 //! ```
@@ -36,6 +36,9 @@ use std::thread::{Builder, JoinHandle};
 /// Pauses, some ten microseconds, after which others of the machine may go first.
 const PATIENCE: u32 = 1000;
 
+/// Pauses for which helpers stay up though nobody asked for it: as long.
+const LINGER: u32 = PATIENCE;
+
 /// What all who meet call, with their number.
 type Work<'a> = dyn Fn(usize) + Sync + 'a;
 
@@ -57,8 +60,8 @@ struct Shared {
     awake: AtomicUsize,
     /// The team is dropped.
     is_over: AtomicBool,
-    /// Helpers sleep on it; the two above change under it.
-    sleep: Mutex<()>,
+    /// How many helpers sleep; the two above change under it.
+    sleepers: Mutex<usize>,
     wakes: Condvar,
     /// What a helper's work left when it panicked.
     panic: Mutex<Option<Box<dyn Any + Send>>>,
@@ -172,7 +175,7 @@ impl Team {
             is_called: AtomicBool::new(false),
             awake: AtomicUsize::new(0),
             is_over: AtomicBool::new(false),
-            sleep: Mutex::new(()),
+            sleepers: Mutex::new(0),
             wakes: Condvar::new(),
             panic: Mutex::new(None),
         });
@@ -246,16 +249,19 @@ impl Drop for Awake {
 }
 
 impl Shared {
-    fn lock(&self) -> MutexGuard<'_, ()> {
-        self.sleep.lock().unwrap_or_else(PoisonError::into_inner)
+    fn lock(&self) -> MutexGuard<'_, usize> {
+        self.sleepers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Tells helpers that something changed: none of them is between its look at it and its sleep.
     fn wake(&self, change: impl FnOnce(&Self)) {
-        let lock = self.lock();
+        let sleepers = self.lock();
         change(self);
-        drop(lock);
-        self.wakes.notify_all();
+        let anyone_sleeps = *sleepers > 0;
+        drop(sleepers);
+        if anyone_sleeps {
+            self.wakes.notify_all();
+        }
     }
 
     fn is_over(&self) -> bool {
@@ -273,11 +279,19 @@ impl Shared {
                 *self.panic.lock().unwrap_or_else(PoisonError::into_inner) = Some(panic);
             }
         };
-        let (mut last, mut waited) = (0, 0);
+        let (mut last, mut waited, mut lingered) = (0, 0, 0);
         while !self.is_over() {
-            if !self.is_awake() {
+            if self.is_awake() {
+                lingered = 0;
+            } else if lingered < LINGER {
+                std::hint::spin_loop();
+                lingered += 1;
+                continue;
+            } else {
                 self.sleep();
-            } else if let Some(meeting) = self.meeting.join(last, take_part) {
+                continue;
+            }
+            if let Some(meeting) = self.meeting.join(last, take_part) {
                 (last, waited) = (meeting, 0);
             } else {
                 waited = pause(waited);
@@ -287,9 +301,11 @@ impl Shared {
 
     /// Until the helpers are woken or their team is dropped.
     fn sleep(&self) {
-        let mut lock = self.lock();
+        let mut sleepers = self.lock();
+        *sleepers += 1;
         while !self.is_over() && !self.is_awake() {
-            lock = self.wakes.wait(lock).unwrap_or_else(PoisonError::into_inner);
+            sleepers = self.wakes.wait(sleepers).unwrap_or_else(PoisonError::into_inner);
         }
+        *sleepers -= 1;
     }
 }
