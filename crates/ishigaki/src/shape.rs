@@ -147,10 +147,7 @@ impl Groups {
 
     /// Of several shapes together: what none of them may touch.
     pub(crate) fn and(self, other: Self) -> Self {
-        Self {
-            member_of: self.member_of | other.member_of,
-            collides_with: self.collides_with | other.collides_with,
-        }
+        Self { member_of: self.member_of | other.member_of, collides_with: self.collides_with | other.collides_with }
     }
 
     /// Whether two shapes may touch.

@@ -272,7 +272,7 @@ impl World {
     /// Forgets the pairs of a body; wakes those it might have carried.
     fn drop_pairs_of(&mut self, index: u32) {
         let (shapes, bodies) = (&self.shapes, &mut self.bodies);
-        self.pairs.retain(|pair| {
+        self.pairs.retain(&mut |pair| {
             let (a, b) = (shapes.at(pair.shape_a), shapes.at(pair.shape_b));
             if a.body != index && b.body != index {
                 return true;

@@ -36,19 +36,23 @@ impl ContactList {
     pub fn insert(&mut self, mut new: Self, empty: usize) {
         let len = self.contacts.len();
         if room::is_full_of_gone(empty, len) {
-            self.contacts.retain(|contact| !contact.is_empty());
-            self.links.retain(|link| link.manifolds > 0);
+            self.drop_empty();
         } else if room::are_few(new.contacts.len(), len) {
-            let mut far = Self::default();
-            for (contact, link) in new.contacts.drain(..).zip(new.links.drain(..)) {
-                match self.room_for(contact.key()) {
-                    Some(place) => (self.contacts[place], self.links[place]) = (contact, link),
-                    None => far.push(contact, link),
+            for index in 0..new.contacts.len() {
+                if let Some(place) = self.room_for(new.contacts[index].key()) {
+                    self.exchange(place, &mut new, index);
                 }
             }
-            new = far;
+            new.drop_empty();
         }
         self.merge(new);
+    }
+
+    /// Only those with points stay.
+    #[inline(never)]
+    fn drop_empty(&mut self) {
+        self.contacts.retain(|contact| !contact.is_empty());
+        self.links.retain(|link| link.manifolds > 0);
     }
 
     fn room_for(&mut self, key: (u32, u32)) -> Option<usize> {
@@ -59,23 +63,28 @@ impl ContactList {
         Some(room.make(contacts))
     }
 
+    fn exchange(&mut self, place: usize, other: &mut Self, place_there: usize) {
+        std::mem::swap(&mut self.contacts[place], &mut other.contacts[place_there]);
+        std::mem::swap(&mut self.links[place], &mut other.links[place_there]);
+    }
+
     fn merge(&mut self, mut new: Self) {
-        let Self { contacts, links } = self;
-        let mut rest = contacts.len();
-        if contacts.last().zip(new.contacts.first()).is_none_or(|(last, first)| last.key() < first.key()) {
+        let Some(first) = new.contacts.first() else { return };
+        let mut rest = self.contacts.len();
+        if self.contacts.last().is_none_or(|last| last.key() < first.key()) {
             return self.append(&mut new);
         }
         // Contacts are large: from the back they move at most once, changing places with the new ones at the end.
-        contacts.extend((0..new.contacts.len()).map(|_| Contact::new((0, 0), (0, 0), false)));
-        links.extend(&new.links);
-        while let Some((contact, link)) = new.contacts.pop().zip(new.links.pop()) {
-            let (key, end, left) = (contact.key(), rest, new.contacts.len());
-            while rest > 0 && contacts[rest - 1].key() > key {
-                contacts.swap(rest + left, rest - 1);
+        self.contacts.resize_with(rest + new.contacts.len(), || Contact::new((0, 0), (0, 0), false));
+        self.links.extend_from_slice(&new.links);
+        for left in (0..new.contacts.len()).rev() {
+            let (key, end) = (new.contacts[left].key(), rest);
+            while rest > 0 && self.contacts[rest - 1].key() > key {
+                self.contacts.swap(rest + left, rest - 1);
                 rest -= 1;
             }
-            links.copy_within(rest..end, rest + left + 1);
-            (contacts[rest + left], links[rest + left]) = (contact, link);
+            self.links.copy_within(rest..end, rest + left + 1);
+            self.exchange(rest + left, &mut new, left);
         }
     }
 }
@@ -83,8 +92,8 @@ impl ContactList {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::collision::link::Judge;
     use crate::body::BodyState;
+    use crate::collision::link::Judge;
     use crate::{Body, Shape, Vec3, WorldOptions};
 
     fn item(key: u32, has_points: bool) -> (Contact, Link) {
@@ -111,7 +120,10 @@ mod tests {
             let digit = |key: u32| dealt / 3_u32.pow(key) % 3;
             let list = |items: &mut dyn Iterator<Item = (u32, bool)>| {
                 let mut list = ContactList::default();
-                items.map(|(key, has_points)| item(key, has_points)).for_each(|(contact, link)| list.push(contact, link));
+                for (key, has_points) in items {
+                    let (contact, link) = item(key, has_points);
+                    list.push(contact, link);
+                }
                 list
             };
             let mut old = list(&mut (0..6).filter(|&key| digit(key) < 2).map(|key| (key, digit(key) == 0)));
@@ -127,7 +139,11 @@ mod tests {
             assert!(contacts.is_sorted_by_key(Contact::key), "{dealt}");
             assert_eq!(contacts.len(), links.len());
             for (contact, link) in contacts.iter().zip(&links) {
-                assert_eq!((contact.body_a, contact.manifolds.len() as u32), (link.bodies[0], link.manifolds), "{dealt}");
+                assert_eq!(
+                    (contact.body_a, contact.manifolds.len() as u32),
+                    (link.bodies[0], link.manifolds),
+                    "{dealt}"
+                );
             }
         }
     }

@@ -57,7 +57,7 @@ impl PairList {
     }
 
     /// Only those that are chosen stay.
-    pub fn retain(&mut self, mut is_chosen: impl FnMut(&Pair) -> bool) {
+    pub fn retain(&mut self, is_chosen: &mut dyn FnMut(&Pair) -> bool) {
         self.all.retain(|pair| !pair.is_gone() && is_chosen(pair));
         self.gone = 0;
     }
@@ -73,7 +73,7 @@ impl PairList {
     /// Puts new ones in, which are sorted; none of them is there yet.
     pub fn insert(&mut self, new: &[(u32, u32)]) {
         if room::is_full_of_gone(self.gone, self.all.len()) {
-            self.retain(|_| true);
+            self.retain(&mut |_| true);
         }
         if self.gone == 0 {
             return self.merge(new);
@@ -119,7 +119,7 @@ impl PairList {
 
 impl Serialize for PairList {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.iter().collect::<Vec<_>>().serialize(serializer)
+        self.iter().copied().collect::<Vec<_>>().serialize(serializer)
     }
 }
 

@@ -98,7 +98,8 @@ impl World {
                 }
                 moves.parted.push(index as u32);
                 rest = &rest[rest.partition_point(|contact| contact.key() < pair.key())..];
-                moves.has_ended |= rest.first().is_some_and(|contact| contact.key() == pair.key() && !contact.is_empty());
+                moves.has_ended |=
+                    rest.first().is_some_and(|contact| contact.key() == pair.key() && !contact.is_empty());
             }
         });
         let has_ended = parts.iter().any(|part| part.has_ended);
@@ -112,7 +113,7 @@ impl World {
     /// Drops pairs that joints, exclusions or groups no longer allow.
     pub(crate) fn drop_forbidden_pairs(&mut self) {
         let mut pairs = std::mem::take(&mut self.pairs);
-        pairs.retain(|p| self.may_touch(p.shape_a, p.shape_b));
+        pairs.retain(&mut |p| self.may_touch(p.shape_a, p.shape_b));
         self.pairs = pairs;
         self.drop_contacts_without_pair();
         let first = self.events.len();
@@ -167,9 +168,7 @@ impl World {
         self.scratch.pair_lists = lists;
         // What moved because its user said so may know its pairs already.
         let asks_anew = |slot: u32| bounds[slot as usize][1].is_nowhere();
-        found.retain(|pair| {
-            !(asks_anew(pair.0) || asks_anew(pair.1)) || !self.pairs.contains(*pair)
-        });
+        found.retain(|pair| !(asks_anew(pair.0) || asks_anew(pair.1)) || !self.pairs.contains(*pair));
         self.pairs.insert(&found);
         clear_burst(&mut found);
         self.scratch.new_pairs = found;

@@ -49,10 +49,10 @@ impl Room {
     /// Makes it; where the entry goes.
     pub fn make<T>(self, list: &mut [T]) -> usize {
         if self.gone < self.place {
-            list[self.gone..self.place].rotate_left(1);
+            (self.gone + 1..self.place).for_each(|at| list.swap(at - 1, at));
             self.place - 1
         } else {
-            list[self.place..=self.gone].rotate_right(1);
+            (self.place..self.gone).rev().for_each(|at| list.swap(at, at + 1));
             self.place
         }
     }

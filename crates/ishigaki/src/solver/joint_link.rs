@@ -106,11 +106,16 @@ fn find_loops(links: &mut [JointLink], bodies: &Arena<BodyState>) {
         let [a, b] = link.bodies.map(|slot| if bodies.at(slot).is_dynamic() { slot } else { ground });
         (a.min(b), a.max(b))
     };
-    let mut pairs: Vec<_> = links.iter().enumerate().map(|(index, link)| (pair(link), index)).collect();
+    let mut pairs: Vec<(u32, u32, u32)> = Vec::with_capacity(links.len());
+    for (link, index) in links.iter().zip(0..) {
+        let (a, b) = pair(link);
+        pairs.push((a, b, index));
+    }
+    // Triples are sorted elsewhere too, and each kind of sorting is 4 kB of the page.
     pairs.sort_unstable();
-    pairs.dedup_by_key(|(pair, _)| *pair);
-    for (_, index) in pairs {
-        links[index].closes = true;
+    pairs.dedup_by_key(|&mut (a, b, _)| (a, b));
+    for (_, _, index) in pairs {
+        links[index as usize].closes = true;
     }
     let mut connected: Vec<u32> = (0..=ground).collect();
     let mut of_island = connected.clone();
@@ -158,7 +163,7 @@ fn rank(links: &[JointLink], hops: &[u32], ranks: &mut Vec<u32>) {
     let mut joined: Vec<(u32, u32, u32)> = Vec::with_capacity(2 * links.len());
     for [a, b] in links.iter().map(|link| link.bodies) {
         for (body, other) in [(a, b), (b, a)] {
-            // The third is nothing: such triples are sorted elsewhere too, and each kind of sorting is 4 kB of the page.
+            // The third is nothing: see `find_loops`.
             joined.push((hops[body as usize], body, 0));
             let nearer = &mut nearer[body as usize];
             if *nearer == NONE && hops[other as usize] < hops[body as usize] {

@@ -295,6 +295,12 @@ impl World {
     }
 }
 
+/// Those with the same key stay as they were. Once in a program, whatever the key.
+#[inline(never)]
+pub(crate) fn sort_units(units: &mut [Unit], key: &dyn Fn(&Unit) -> u32) {
+    units.sort_by_key(key);
+}
+
 /// Stage `plan_sweep`: the scale of the masses and the first order of the units.
 pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
     plan.units.clear();
@@ -320,7 +326,7 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
                 let found = order.binary_search_by_key(&(m.contact, m.manifold), |&(c, k, _)| (c, k));
                 found.map_or(u32::MAX, |at| order[at].2)
             };
-            plan.units[first..].sort_by_key(place);
+            sort_units(&mut plan.units[first..], &place);
         }
     }
     for (i, row) in plan.rows[..single].iter().enumerate() {
@@ -340,9 +346,10 @@ pub fn plan_sweep(plan: &mut Plan, options: &SolverOptions) {
         // The end of a range sees what forces did to its body only once the joint has passed it on; it is solved with
         // the joint, so nothing is left between joints after it.
         let rows = &plan.rows;
-        let is_limit =
-            |unit: &Unit| matches!(*unit, Unit::Row(row) if matches!(rows[row as usize].coupling, Coupling::Limit(_)));
-        plan.units.sort_by_key(is_limit);
+        let is_limit = |unit: &Unit| {
+            u32::from(matches!(*unit, Unit::Row(row) if matches!(rows[row as usize].coupling, Coupling::Limit(_))))
+        };
+        sort_units(&mut plan.units, &is_limit);
     }
     if options.permutation == Permutation::Alternating && plan.sweeps.is_multiple_of(2) {
         plan.units.reverse();

@@ -7,7 +7,7 @@
 //! Options: `solver.shock_propagation.{enabled, blend}`; shown by `tests/techniques.rs`.
 
 use crate::body::NO_HEIGHT;
-use crate::solver::plan::Plan;
+use crate::solver::plan::{Plan, sort_units};
 use crate::solver::reference::Unit;
 use crate::solver::table::MassScale;
 use crate::solver::weight_amplification::{Lower, lower};
@@ -28,7 +28,7 @@ pub fn scale(height_a: u32, height_b: u32) -> MassScale {
 pub fn sort_upward(plan: &mut Plan) {
     let (rows, bodies) = (&plan.rows, &plan.bodies);
     let (manifolds, trees, blocks) = (&plan.manifold_blocks, &plan.forest.trees, &plan.blocks);
-    plan.units.sort_by_key(|unit| {
+    sort_units(&mut plan.units, &|unit| {
         let row = &rows[match *unit {
             Unit::Row(row) => row,
             Unit::Manifold(index) => manifolds[index as usize].first,

@@ -338,13 +338,7 @@ impl Joints {
     /// Waves and blocks, among so many records; which of them are of which domain, where bodies are of so many cells.
     /// A line of its own in profiles.
     #[inline(never)]
-    pub(crate) fn arrange(
-        &mut self,
-        records: usize,
-        cells: usize,
-        bodies: &Arena<BodyState>,
-        domains: &mut [Domain],
-    ) {
+    pub(crate) fn arrange(&mut self, records: usize, cells: usize, bodies: &Arena<BodyState>, domains: &mut [Domain]) {
         if self.is_empty() {
             self.turns.clear();
             self.blocks.clear();
