@@ -122,8 +122,8 @@ impl<T: Send> Cut for &mut [T] {
 #[cfg(feature = "threads")]
 impl crate::World {
     /// Lets a step use this many threads, the caller's among them; 1 is where a world begins. The same bits for any
-    /// number. A clone shares the threads; a world restored from a snapshot has none. During [`World::step`](crate::World::step) they keep their
-    /// cores busy, work or not; a world with fewer than 300 bodies awake is stepped by the caller alone.
+    /// number. A clone shares the threads; a world restored from a snapshot has none. During [`World::step`](crate::World::step), and some ten
+    /// microseconds after it, they keep their cores busy, work or not; a world with fewer than 300 bodies awake is stepped by the caller alone.
     ///
     /// # Errors
     /// No threads, or more than the system gives.

@@ -158,6 +158,6 @@ impl Contact {
 
     /// Whether aggressive sleep keeps its rows from the last step.
     pub fn is_frozen(&self) -> bool {
-        self.frozen
+        self.frozen && !self.is_empty()
     }
 }
