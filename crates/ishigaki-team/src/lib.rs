@@ -2,8 +2,8 @@
 //!
 //! A physics step has some hundred pieces of a few microseconds that several threads may share. Pools that put each piece
 //! on a list cost a microsecond for it; here a [`Team`] has one piece at a time, and who helps looks for it without pause
-//! while [`Awake`] lives and a moment longer, since one step often follows another; asleep otherwise. Nobody waits for who comes late: a [`meeting`](Team::meet) is over when all that
-//! came have left, and all of them call the same function, which gives out what there is to do as it likes.
+//! while [`Awake`] lives and a moment longer, since one step often follows another; asleep otherwise. Nobody waits for who
+//! comes late: a [`meeting`](Team::meet) is over when all that came have left, and all of them call the same function, which gives out what there is to do as it likes.
 //!
 //! ```
 //! use std::sync::atomic::{AtomicUsize, Ordering};
@@ -283,18 +283,15 @@ impl Shared {
         while !self.is_over() {
             if self.is_awake() {
                 lingered = 0;
+                match self.meeting.join(last, take_part) {
+                    Some(meeting) => (last, waited) = (meeting, 0),
+                    None => waited = pause(waited),
+                }
             } else if lingered < LINGER {
                 std::hint::spin_loop();
                 lingered += 1;
-                continue;
             } else {
                 self.sleep();
-                continue;
-            }
-            if let Some(meeting) = self.meeting.join(last, take_part) {
-                (last, waited) = (meeting, 0);
-            } else {
-                waited = pause(waited);
             }
         }
     }

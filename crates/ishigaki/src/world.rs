@@ -30,7 +30,7 @@ pub struct World {
     pub(crate) joints: Arena<JointState>,
     /// Pairs whose bounds overlap, sorted by (shape_a, shape_b).
     pub(crate) pairs: PairList,
-    /// Those of them with contact points, in the same order.
+    /// Those of them with contact points, in the same order, and for some steps those that had them.
     pub(crate) contacts: Vec<Contact>,
     /// Pairs of bodies that never touch because the user said so; sorted, each (low slot, high slot).
     pub(crate) excluded: Vec<(u32, u32)>,

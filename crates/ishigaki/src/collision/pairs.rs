@@ -227,7 +227,8 @@ impl Moves {
             places.leave_out(slot);
             return;
         }
-        let (tight, plane) = places.enter(slot, shape, body, by.dt, by.groups);
+        let is_alone = !by.groups.allow(shape.shape.groups);
+        let (tight, plane) = places.enter(slot, shape, body, by.dt, is_alone);
         // Planes are gathered in each step.
         *places.holds(slot) = rests && plane.is_none();
         self.planes.extend(plane);
@@ -237,7 +238,6 @@ impl Moves {
         let (min, max) = swept_bounds(tight, shape, body, by.dt, by.margin);
         let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
         if shape.moved || !inside {
-            let is_alone = !by.groups.allow(shape.shape.groups);
             let steps = if is_alone { STEPS_AHEAD_ALONE } else { STEPS_AHEAD };
             let (low, high) = ahead(body, max - min, by.dt, steps);
             let before = if shape.moved { FatBounds::NOWHERE } else { FatBounds::of(shape) };

@@ -6,7 +6,7 @@
 use crate::body::{BodyState, ShapeState};
 use crate::collision::pairs::motion_in_step;
 use crate::math::{Pose, Vec3};
-use crate::shape::{Geometry, Groups};
+use crate::shape::Geometry;
 use crate::threads::Cut;
 
 /// A shape in this step: what nearly all pairs are told apart by, in half a cache line.
@@ -176,15 +176,15 @@ impl Proxies {
 }
 
 impl Places<'_> {
-    /// Enters a shape of a body that is finite among shapes of these groups; gives its bounds without any margin, and its surface if it is a
-    /// half-space.
+    /// Enters a shape of a body that is finite, and whether it is alone ([`Traits::alone`]); gives its bounds without any
+    /// margin, and its surface if it is a half-space.
     pub fn enter(
         &mut self,
         slot: u32,
         shape: &ShapeState,
         body: &BodyState,
         dt: f32,
-        all: Groups,
+        alone: bool,
     ) -> ((Vec3, Vec3), Option<Plane>) {
         let pose = shape.world_from_shape(body);
         let plane = match shape.shape.geometry {
@@ -196,12 +196,8 @@ impl Places<'_> {
         };
         let (min, max) = shape.shape.geometry.bounds(&pose);
         let motion = motion_in_step(body, dt);
-        let traits = Traits {
-            sensor: shape.shape.sensor,
-            continuous: body.continuous,
-            half_space: plane.is_some(),
-            alone: !all.allow(shape.shape.groups),
-        };
+        let traits =
+            Traits { sensor: shape.shape.sensor, continuous: body.continuous, half_space: plane.is_some(), alone };
         let at = (slot - self.first) as usize;
         self.shapes[at] = Proxy { min, max, reach: motion.length(), traits };
         self.motions[at] = ProxyMotion { motion, inner_radius: shape.inner_radius, body: shape.body };
@@ -258,7 +254,7 @@ mod tests {
             let flat = body.flat_shapes();
             let state = BodyState::new(&body, &flat).unwrap();
             let shape = ShapeState::new(slot, 0, flat[0].clone(), &state);
-            let (_, plane) = proxies.places().enter(slot, &shape, &state, 1.0 / 60.0, Groups::default());
+            let (_, plane) = proxies.places().enter(slot, &shape, &state, 1.0 / 60.0, false);
             proxies.planes.extend(plane);
         }
         proxies

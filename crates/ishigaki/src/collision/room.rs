@@ -31,10 +31,9 @@ pub(crate) struct Room {
 impl Room {
     /// For an entry before the one at `place`, where something is gone nearby.
     pub fn near(place: usize, len: usize, is_gone: impl Fn(usize) -> bool) -> Option<Self> {
-        let before = (place.saturating_sub(NEAR)..place).rev();
-        let after = place..len.min(place + NEAR);
         // Whichever is nearer: outward from the place.
-        let (mut before, mut after) = (before, after);
+        let mut before = (place.saturating_sub(NEAR)..place).rev();
+        let mut after = place..len.min(place + NEAR);
         loop {
             let (left, right) = (before.next(), after.next());
             if left.is_none() && right.is_none() {

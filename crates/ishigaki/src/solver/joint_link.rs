@@ -58,7 +58,8 @@ pub(crate) struct JointLinks {
     pub list: Vec<JointLink>,
     /// The rank of each body that was there then.
     pub ranks: Vec<u32>,
-    /// Another number after each change: what was made from links holds as long as it is the same.
+    /// Another number after each change of what lanes have rows for: what was made from links holds as long as it is the
+    /// same.
     pub edition: u64,
 }
 
@@ -71,10 +72,12 @@ impl JointLinks {
 
     /// A joint allows something else now, between the same bodies.
     pub fn change(&mut self, joint: u32, definition: &Joint) {
-        self.edition += 1;
         if let Ok(index) = self.list.binary_search_by_key(&joint, |link| link.joint) {
-            let JointLink { closes, unites, level, .. } = self.list[index];
-            self.list[index] = JointLink { closes, unites, level, ..JointLink::new(joint, definition) };
+            let JointLink { closes, unites, level, fits, .. } = self.list[index];
+            let changed = JointLink { closes, unites, level, ..JointLink::new(joint, definition) };
+            // Motors are edited step after step: what the lanes have no rows for changes nothing there.
+            self.edition += u64::from(fits || changed.fits);
+            self.list[index] = changed;
         }
     }
 

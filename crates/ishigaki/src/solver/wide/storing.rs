@@ -57,9 +57,7 @@ impl World {
         });
         self.scratch.contact_sums = sums;
     }
-}
 
-impl World {
     /// Impulses, forces and errors of joints.
     fn store_joints(&mut self, wide: &Wide, dt: f32) {
         let batches = &wide.batches[..wide.used];
