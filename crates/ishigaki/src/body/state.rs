@@ -471,6 +471,12 @@ impl ShapeState {
         self.shape.geometry.bounds(&self.world_from_shape(body))
     }
 
+    /// The same of a ball about the center of mass, which no rotation moves.
+    pub fn ball_bounds(&self, body: &BodyState) -> Option<(Vec3, Vec3)> {
+        let crate::shape::Geometry::Ball { radius } = self.shape.geometry else { return None };
+        (self.offset == Vec3::ZERO).then(|| (body.center - radius, body.center + radius))
+    }
+
     pub fn world_from_shape(&self, body: &BodyState) -> Pose {
         Pose::from_parts(body.center, body.rotation) * Pose::from_parts(self.offset, self.shape.pose.rotation)
     }

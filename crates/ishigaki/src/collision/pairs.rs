@@ -67,10 +67,11 @@ impl World {
             for (slot, shape) in shapes.objects_where(may_move) {
                 let body = bodies.at(shape.body);
                 let rests = body.kind == BodyKind::Fixed || body.asleep || body.broken;
-                if rests || stays_inside(shape, body, &proxies.shapes[slot as usize]) {
+                let ball = shape.ball_bounds(body);
+                if rests || ball.is_none() && stays_inside(shape, body, &proxies.shapes[slot as usize]) {
                     continue;
                 }
-                let (min, max) = shape.tight_bounds(body);
+                let (min, max) = ball.unwrap_or_else(|| shape.tight_bounds(body));
                 if !(min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all()) {
                     (shape.bounds_min, shape.bounds_max) = (min.min(shape.bounds_min), max.max(shape.bounds_max));
                     shape.moved = true;
@@ -222,30 +223,65 @@ impl Moves {
             return;
         }
         *places.holds(slot) = false;
+        let is_alone = !by.groups.allow(shape.shape.groups);
+        if is_alone && !rests && self.enter_ball(slot, shape, body, places, by) {
+            return;
+        }
         places.set_bounds(slot, [FatBounds::of(shape); 2]);
         if body.broken {
             places.leave_out(slot);
             return;
         }
-        let is_alone = !by.groups.allow(shape.shape.groups);
         let (tight, plane) = places.enter(slot, shape, body, by.dt, is_alone);
         // Planes are gathered in each step.
         *places.holds(slot) = rests && plane.is_none();
         self.planes.extend(plane);
-        if !(body.is_active() || body.is_moving_kinematic() || shape.moved) {
+        if body.is_active() || body.is_moving_kinematic() || shape.moved {
+            let swept = swept_bounds(tight, shape, body, by.dt, by.margin);
+            self.hold(slot, shape, body, swept, is_alone, places, by);
+        }
+    }
+
+    /// A ball that touches nothing: nobody asks for more than its bounds in the tree. Whether the shape is one.
+    fn enter_ball(
+        &mut self,
+        slot: u32,
+        shape: &mut ShapeState,
+        body: &BodyState,
+        places: &mut Places<'_>,
+        by: &Margins,
+    ) -> bool {
+        let Some((min, max)) = shape.ball_bounds(body).filter(|_| !body.broken) else { return false };
+        places.leave_alone(slot, shape.body);
+        let motion = motion_in_step(body, by.dt);
+        let swept = (min.min(min + motion), max.max(max + motion));
+        self.hold(slot, shape, body, swept, true, places, by);
+        true
+    }
+
+    /// Bounds that hold a shape where it will be, as they are or made anew.
+    #[expect(clippy::too_many_arguments, reason = "what `enter` has in its hands")]
+    fn hold(
+        &mut self,
+        slot: u32,
+        shape: &mut ShapeState,
+        body: &BodyState,
+        (min, max): (Vec3, Vec3),
+        is_alone: bool,
+        places: &mut Places<'_>,
+        by: &Margins,
+    ) {
+        let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
+        if !shape.moved && inside {
             return;
         }
-        let (min, max) = swept_bounds(tight, shape, body, by.dt, by.margin);
-        let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
-        if shape.moved || !inside {
-            let steps = if is_alone { STEPS_AHEAD_ALONE } else { STEPS_AHEAD };
-            let (low, high) = ahead(body, max - min, by.dt, steps);
-            let before = if shape.moved { FatBounds::NOWHERE } else { FatBounds::of(shape) };
-            (shape.bounds_min, shape.bounds_max) = (min + low - by.fat, max + high + by.fat);
-            places.set_bounds(slot, [FatBounds::of(shape), before]);
-            shape.moved = false;
-            self.moved.push(slot);
-        }
+        let steps = if is_alone { STEPS_AHEAD_ALONE } else { STEPS_AHEAD };
+        let (low, high) = ahead(body, max - min, by.dt, steps);
+        let before = if shape.moved { FatBounds::NOWHERE } else { FatBounds::of(shape) };
+        (shape.bounds_min, shape.bounds_max) = (min + low - by.fat, max + high + by.fat);
+        places.set_bounds(slot, [FatBounds::of(shape), before]);
+        shape.moved = false;
+        self.moved.push(slot);
     }
 }
 

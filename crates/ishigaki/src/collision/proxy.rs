@@ -215,6 +215,12 @@ impl Places<'_> {
         self.shapes[(slot - self.first) as usize] = Proxy::NOWHERE;
     }
 
+    /// A shape that touches nothing has no pairs that would ask for it.
+    pub fn leave_alone(&mut self, slot: u32, body: u32) {
+        self.leave_out(slot);
+        self.motions[(slot - self.first) as usize].body = body;
+    }
+
     /// Bounds of a shape in the broad phase, now and before this step.
     pub fn set_bounds(&mut self, slot: u32, bounds: [FatBounds; 2]) {
         self.bounds[(slot - self.first) as usize] = bounds;

@@ -188,11 +188,13 @@ impl Part<'_> {
         dispatch!(level, simd => moving::swing_all(simd, movers, spins));
     }
 
-    /// Rows for the poses as they are, and what the way along arcs will add to gaps in `h` seconds.
-    pub fn turn_joints(&mut self, level: Level, poses: &[Record], h: f32) {
+    /// Rows for the poses as they are, and what the way along arcs will add to gaps in `h` seconds; with `recovery`
+    /// velocities toward what joints ask for (`joint_recovery.rs`), while the rows are near.
+    pub fn turn_joints(&mut self, level: Level, poses: &[Record], h: f32, recovery: Option<&JointPass>) {
         let (blocks, turns) = (&mut *self.joints.blocks, &mut self.joints.turns);
         let aim = Aim { poses, roots: &*self.roots, spins: &*self.joints.spins, h };
-        dispatch!(level, simd => turn_all(simd, blocks, turns, &aim));
+        let visits = JointVisits { aim: Some(&aim), pass: recovery, reversed: false, add_up: false };
+        visit_all(level, blocks, turns, self.joints.pushes, visits);
     }
 
     /// u' += J'ᵀλ.
@@ -204,15 +206,8 @@ impl Part<'_> {
     /// A visit to each joint; with `add_up` λ is what the substep leaves.
     pub fn sweep_joints(&mut self, level: Level, pass: &JointPass, reversed: bool, add_up: bool) {
         let (blocks, turns) = (&mut *self.joints.blocks, &mut self.joints.turns);
-        let visits = JointVisits { reversed, add_up };
-        visit_all(level, blocks, turns, self.velocities, pass, visits);
-    }
-
-    /// Velocities toward what joints ask for: `joint_recovery.rs`.
-    pub fn push_joints(&mut self, level: Level, pass: &JointPass, reversed: bool) {
-        let (blocks, turns) = (&mut *self.joints.blocks, &mut self.joints.turns);
-        let visits = JointVisits { reversed, add_up: false };
-        visit_all(level, blocks, turns, self.joints.pushes, pass, visits);
+        let visits = JointVisits { aim: None, pass: Some(pass), reversed, add_up };
+        visit_all(level, blocks, turns, self.velocities, visits);
     }
 
     /// Moves bodies along these velocities, which are forgotten.
@@ -249,8 +244,8 @@ impl Part<'_> {
             let Some(turns) = self.joints.turns.of(block) else { continue };
             let (mut visited, mut turned) = ([*block], [*turns]);
             let mut of_visited = Turns { first: block.turns, lanes: &mut turned };
-            let visits = JointVisits { reversed: false, add_up: false };
-            visit_all(level, &mut visited, &mut of_visited, seen, pass, visits);
+            let visits = JointVisits { aim: None, pass: Some(pass), reversed: false, add_up: false };
+            visit_all(level, &mut visited, &mut of_visited, seen, visits);
             for &body in block.bodies.as_flattened() {
                 seen[body as usize] = velocities[body as usize];
             }
@@ -283,24 +278,20 @@ fn fill_turns(turns: &mut TurnLanes, lane: usize, ball: &BallParts, frames: [Qua
 }
 
 #[inline(always)]
-fn turn_all<S: Simd>(simd: S, blocks: &mut [JointBlock], turns: &mut Turns<'_>, aim: &Aim<'_>) {
-    for block in blocks {
-        let turns = turns.of_mut(block);
-        kernel::turn(simd, block, turns, aim);
-    }
-}
-
-#[inline(always)]
 fn warm_start_all<S: Simd>(simd: S, blocks: &[JointBlock], turns: &Turns<'_>, velocities: &mut [Record]) {
     for block in blocks {
         kernel::warm_start(simd, block, turns.of(block), velocities);
     }
 }
 
-/// In which order, and whether λ is what the substep leaves.
+/// What is done to each block while it is near.
 #[derive(Clone, Copy)]
-struct JointVisits {
+struct JointVisits<'a> {
+    /// Rows are made anew, in a forward order.
+    aim: Option<&'a Aim<'a>>,
+    pass: Option<&'a JointPass>,
     reversed: bool,
+    /// λ is what the substep leaves.
     add_up: bool,
 }
 
@@ -310,14 +301,13 @@ fn visit_all(
     level: Level,
     blocks: &mut [JointBlock],
     turns: &mut Turns<'_>,
-    velocities: &mut [Record],
-    pass: &JointPass,
-    visits: JointVisits,
+    records: &mut [Record],
+    visits: JointVisits<'_>,
 ) {
     if visits.reversed {
-        dispatch!(level, simd => sweep::<_, true>(simd, blocks, turns, velocities, pass, visits.add_up));
+        dispatch!(level, simd => sweep::<_, true>(simd, blocks, turns, records, visits));
     } else {
-        dispatch!(level, simd => sweep::<_, false>(simd, blocks, turns, velocities, pass, visits.add_up));
+        dispatch!(level, simd => sweep::<_, false>(simd, blocks, turns, records, visits));
     }
 }
 
@@ -326,16 +316,20 @@ fn sweep<S: Simd, const REVERSED: bool>(
     simd: S,
     blocks: &mut [JointBlock],
     turns: &mut Turns<'_>,
-    velocities: &mut [Record],
-    pass: &JointPass,
-    add_up: bool,
+    records: &mut [Record],
+    visits: JointVisits<'_>,
 ) {
     let n = blocks.len();
     for i in 0..n {
         let block = &mut blocks[if REVERSED { n - 1 - i } else { i }];
         let mut turns = turns.of_mut(block);
-        kernel::visit::<S, REVERSED>(simd, block, turns.as_deref_mut(), velocities, pass);
-        if add_up {
+        if let (Some(aim), false) = (visits.aim, REVERSED) {
+            kernel::turn(simd, block, turns.as_deref_mut(), aim);
+        }
+        if let Some(pass) = visits.pass {
+            kernel::visit::<S, REVERSED>(simd, block, turns.as_deref_mut(), records, pass);
+        }
+        if visits.add_up {
             kernel::add_up(simd, block, turns);
         }
     }

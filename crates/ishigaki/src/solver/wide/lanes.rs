@@ -5,7 +5,7 @@
 
 use crate::math::Vec3;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x4, f32x8};
+use fearless_simd::{f32x4, f32x8, mask32x8};
 
 /// Lanes of a block.
 pub const LANES: usize = 8;
@@ -181,117 +181,162 @@ pub fn atan2<S: Simd>(simd: S, y: f32x8<S>, x: f32x8<S>) -> f32x8<S> {
     y.simd_lt(zero).select(-angle, angle)
 }
 
-/// Columns of four rows of four.
+/// Of each half: columns of four rows of four.
 #[inline(always)]
-fn transposed<S: Simd>(a: f32x4<S>, b: f32x4<S>, c: f32x4<S>, d: f32x4<S>) -> [f32x4<S>; 4] {
-    let (t0, t1) = (a.zip_low(c), b.zip_low(d));
-    let (t2, t3) = (a.zip_high(c), b.zip_high(d));
-    [t0.zip_low(t1), t0.zip_high(t1), t2.zip_low(t3), t2.zip_high(t3)]
+fn transposed<S: Simd>(simd: S, rows: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    if S::f32s::LEN < LANES { transposed_in_turn(simd, rows) } else { transposed_at_once(simd, rows) }
+}
+
+/// One half after the other, where the machine has four lanes.
+#[inline(always)]
+fn transposed_in_turn<S: Simd>(simd: S, [a, b, c, d]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    let (ac, bd) = (zip_halves(simd, a, c), zip_halves(simd, b, d));
+    let (low, high) = (zip_halves(simd, ac.0, bd.0), zip_halves(simd, ac.1, bd.1));
+    [low.0, low.1, high.0, high.1]
+}
+
+/// Of each half: the first two of both in turn, and the last two.
+#[inline(always)]
+fn zip_halves<S: Simd>(simd: S, a: f32x8<S>, b: f32x8<S>) -> (f32x8<S>, f32x8<S>) {
+    let (low, high) = a.interleave(b);
+    let (low, high) = (simd.split_f32x8(low), simd.split_f32x8(high));
+    (simd.combine_f32x4(low.0, high.0), simd.combine_f32x4(low.1, high.1))
+}
+
+/// Both halves at once, by what stays within them: the compiler makes four lanes of whatever else it is said by.
+#[inline(always)]
+fn transposed_at_once<S: Simd>(simd: S, [a, b, c, d]: [f32x8<S>; 4]) -> [f32x8<S>; 4] {
+    let (two, one) = (mask32x8::from_slice(simd, &TWO), mask32x8::from_slice(simd, &ONE));
+    let (ac, bd) = (a.slide_within_blocks::<2>(c), b.slide_within_blocks::<2>(d));
+    let (a, c) = (two.select(a, ac), two.select(ac, c));
+    let (b, d) = (two.select(b, bd), two.select(bd, d));
+    [
+        one.select(a, b.slide_within_blocks::<3>(b)),
+        one.select(a.slide_within_blocks::<1>(a), b),
+        one.select(c, d.slide_within_blocks::<3>(d)),
+        one.select(c.slide_within_blocks::<1>(c), d),
+    ]
+}
+
+/// The first two of each four.
+const TWO: [i32; LANES] = [-1, -1, 0, 0, -1, -1, 0, 0];
+/// The first of each two.
+const ONE: [i32; LANES] = [-1, 0, -1, 0, -1, 0, -1, 0];
+
+/// Records of eight bodies; written out, for a closure would be a call.
+#[inline(always)]
+fn of<'a>(records: &'a [Record], [a, b, c, d, e, f, g, h]: &[u32; LANES]) -> [&'a Record; LANES] {
+    [
+        &records[*a as usize],
+        &records[*b as usize],
+        &records[*c as usize],
+        &records[*d as usize],
+        &records[*e as usize],
+        &records[*f as usize],
+        &records[*g as usize],
+        &records[*h as usize],
+    ]
+}
+
+/// Columns of one half of eight records: of the first four in the low halves, of the others in the high ones.
+#[inline(always)]
+fn columns<S: Simd, const ANGULAR: bool>(simd: S, records: [&Record; LANES]) -> [f32x8<S>; 4] {
+    transposed(
+        simd,
+        [
+            pair::<S, ANGULAR>(simd, records[0], records[4]),
+            pair::<S, ANGULAR>(simd, records[1], records[5]),
+            pair::<S, ANGULAR>(simd, records[2], records[6]),
+            pair::<S, ANGULAR>(simd, records[3], records[7]),
+        ],
+    )
 }
 
 #[inline(always)]
-fn half<S: Simd, const ANGULAR: bool>(
-    simd: S,
-    records: &[Record],
-    bodies: &[u32; LANES],
-    first: usize,
-) -> [f32x4<S>; 4] {
+fn pair<S: Simd, const ANGULAR: bool>(simd: S, low: &Record, high: &Record) -> f32x8<S> {
     let at = if ANGULAR { 4 } else { 0 };
-    let a = f32x4::from_slice(simd, &records[bodies[first] as usize].0[at..at + 4]);
-    let b = f32x4::from_slice(simd, &records[bodies[first + 1] as usize].0[at..at + 4]);
-    let c = f32x4::from_slice(simd, &records[bodies[first + 2] as usize].0[at..at + 4]);
-    let d = f32x4::from_slice(simd, &records[bodies[first + 3] as usize].0[at..at + 4]);
-    transposed(a, b, c, d)
+    simd.combine_f32x4(f32x4::from_slice(simd, &low.0[at..at + 4]), f32x4::from_slice(simd, &high.0[at..at + 4]))
+}
+
+/// Both halves of eight records.
+#[inline(always)]
+fn halves<S: Simd>(simd: S, records: [&Record; LANES]) -> (V3<S>, V3<S>) {
+    let (l, a) = (columns::<S, false>(simd, records), columns::<S, true>(simd, records));
+    (V3 { x: l[0], y: l[1], z: l[2] }, V3 { x: a[0], y: a[1], z: a[2] })
 }
 
 /// Linear and angular parts of the records of eight bodies.
 #[inline(always)]
 pub fn gather<S: Simd>(simd: S, records: &[Record], bodies: &[u32; LANES]) -> (V3<S>, V3<S>) {
-    (
-        join(simd, half::<S, false>(simd, records, bodies, 0), half::<S, false>(simd, records, bodies, 4)),
-        join(simd, half::<S, true>(simd, records, bodies, 0), half::<S, true>(simd, records, bodies, 4)),
-    )
+    halves(simd, of(records, bodies))
 }
 
 /// Centers and rotations of eight poses: x, y, z, 0, and the rotation.
 #[inline(always)]
 pub fn gather_poses<S: Simd>(simd: S, poses: &[Record], bodies: &[u32; LANES]) -> (V3<S>, Q4<S>) {
-    let center = join(simd, half::<S, false>(simd, poses, bodies, 0), half::<S, false>(simd, poses, bodies, 4));
-    let (low, high) = (half::<S, true>(simd, poses, bodies, 0), half::<S, true>(simd, poses, bodies, 4));
-    (center, Q4 { v: join(simd, low, high), w: simd.combine_f32x4(low[3], high[3]) })
-}
-
-#[inline(always)]
-fn half_of<S: Simd, const ANGULAR: bool>(simd: S, records: &[Record; LANES], first: usize) -> [f32x4<S>; 4] {
-    let at = if ANGULAR { 4 } else { 0 };
-    let a = f32x4::from_slice(simd, &records[first].0[at..at + 4]);
-    let b = f32x4::from_slice(simd, &records[first + 1].0[at..at + 4]);
-    let c = f32x4::from_slice(simd, &records[first + 2].0[at..at + 4]);
-    let d = f32x4::from_slice(simd, &records[first + 3].0[at..at + 4]);
-    transposed(a, b, c, d)
+    let poses = of(poses, bodies);
+    let (c, q) = (columns::<S, false>(simd, poses), columns::<S, true>(simd, poses));
+    (V3 { x: c[0], y: c[1], z: c[2] }, Q4 { v: V3 { x: q[0], y: q[1], z: q[2] }, w: q[3] })
 }
 
 /// Linear and angular parts of eight records side by side.
 #[inline(always)]
 pub fn read<S: Simd>(simd: S, records: &[Record; LANES]) -> (V3<S>, V3<S>) {
-    (
-        join(simd, half_of::<S, false>(simd, records, 0), half_of::<S, false>(simd, records, 4)),
-        join(simd, half_of::<S, true>(simd, records, 0), half_of::<S, true>(simd, records, 4)),
-    )
+    let [a, b, c, d, e, f, g, h] = records;
+    halves(simd, [a, b, c, d, e, f, g, h])
 }
 
 /// Puts eight records side by side back.
 #[inline(always)]
 pub fn write<S: Simd>(simd: S, records: &mut [Record; LANES], linear: V3<S>, angular: V3<S>) {
     let zero = splat(simd, 0.0);
-    write_halves(records, halves(simd, linear, zero), halves(simd, angular, zero));
+    write_rows(simd, records, rows(simd, linear, zero), rows(simd, angular, zero));
 }
 
 /// Puts eight poses side by side: x, y, z, 0, and the rotation.
 #[inline(always)]
 pub fn write_poses<S: Simd>(simd: S, records: &mut [Record; LANES], center: V3<S>, rotation: Q4<S>) {
-    write_halves(records, halves(simd, center, splat(simd, 0.0)), halves(simd, rotation.v, rotation.w));
+    let (center, rotation) = (rows(simd, center, splat(simd, 0.0)), rows(simd, rotation.v, rotation.w));
+    write_rows(simd, records, center, rotation);
 }
 
 #[inline(always)]
-fn write_halves<S: Simd>(records: &mut [Record; LANES], linear: [[f32x4<S>; 4]; 2], angular: [[f32x4<S>; 4]; 2]) {
-    for (i, record) in records.iter_mut().enumerate() {
-        linear[i / 4][i % 4].store_slice(&mut record.0[..4]);
-        angular[i / 4][i % 4].store_slice(&mut record.0[4..]);
+fn write_rows<S: Simd>(simd: S, records: &mut [Record; LANES], linear: [f32x8<S>; 4], angular: [f32x8<S>; 4]) {
+    for i in 0..LANES / 2 {
+        let (linear, angular) = (simd.split_f32x8(linear[i]), simd.split_f32x8(angular[i]));
+        put(&mut records[i], linear.0, angular.0);
+        put(&mut records[i + 4], linear.1, angular.1);
     }
 }
 
 #[inline(always)]
-fn join<S: Simd>(simd: S, low: [f32x4<S>; 4], high: [f32x4<S>; 4]) -> V3<S> {
-    V3 {
-        x: simd.combine_f32x4(low[0], high[0]),
-        y: simd.combine_f32x4(low[1], high[1]),
-        z: simd.combine_f32x4(low[2], high[2]),
-    }
+fn put<S: Simd>(record: &mut Record, linear: f32x4<S>, angular: f32x4<S>) {
+    linear.store_slice(&mut record.0[..4]);
+    angular.store_slice(&mut record.0[4..]);
 }
 
-/// Three and one numbers of each of eight bodies, four bodies to a half.
+/// Three and one numbers of each of eight bodies: a body to a half, the first four in the low ones.
 #[inline(always)]
-fn halves<S: Simd>(simd: S, v: V3<S>, w: f32x8<S>) -> [[f32x4<S>; 4]; 2] {
-    let (x0, x1) = simd.split_f32x8(v.x);
-    let (y0, y1) = simd.split_f32x8(v.y);
-    let (z0, z1) = simd.split_f32x8(v.z);
-    let (w0, w1) = simd.split_f32x8(w);
-    [transposed(x0, y0, z0, w0), transposed(x1, y1, z1, w1)]
+fn rows<S: Simd>(simd: S, v: V3<S>, w: f32x8<S>) -> [f32x8<S>; 4] {
+    transposed(simd, [v.x, v.y, v.z, w])
 }
 
 /// Puts the records of eight bodies back; body 0, the ground, stays as it is.
 #[inline(always)]
 pub fn scatter<S: Simd>(simd: S, records: &mut [Record], bodies: &[u32; LANES], linear: V3<S>, angular: V3<S>) {
     let zero = splat(simd, 0.0);
-    let (linear, angular) = (halves(simd, linear, zero), halves(simd, angular, zero));
-    for i in 0..LANES {
-        let body = bodies[i];
-        if body != 0 {
-            let record = &mut records[body as usize].0;
-            linear[i / 4][i % 4].store_slice(&mut record[..4]);
-            angular[i / 4][i % 4].store_slice(&mut record[4..]);
-        }
+    let (linear, angular) = (rows(simd, linear, zero), rows(simd, angular, zero));
+    for i in 0..LANES / 2 {
+        let (linear, angular) = (simd.split_f32x8(linear[i]), simd.split_f32x8(angular[i]));
+        put_back(records, bodies[i], linear.0, angular.0);
+        put_back(records, bodies[i + 4], linear.1, angular.1);
+    }
+}
+
+#[inline(always)]
+fn put_back<S: Simd>(records: &mut [Record], body: u32, linear: f32x4<S>, angular: f32x4<S>) {
+    if body != 0 {
+        put(&mut records[body as usize], linear, angular);
     }
 }
 

@@ -65,7 +65,7 @@ impl World {
         batch.outcome.work += work.rows;
         let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
         aid.manifolds.clear();
-        batch.aim_joints(machine, h);
+        batch.aim_joints(machine, h, None);
         for substep in 0..substeps {
             let is_last = substep + 1 == substeps;
             let velocity = JointPass::velocity(h);
@@ -99,7 +99,8 @@ impl World {
             if !is_free {
                 if !batch.joints.is_empty() {
                     batch.outcome.work += work.reweighing;
-                    self.recover_batch_joints(machine, batch, order.reversed, h);
+                    batch.weigh(machine);
+                    self.recover_batch_joints(machine, batch, h);
                 }
                 let relax = if is_last { Biases::RelaxLast } else { Biases::Relax };
                 for sweep in 0..relax_sweeps {
@@ -177,15 +178,14 @@ impl World {
     }
 
     /// Rows of joints for the poses after the motion, and the recovery of their errors.
-    fn recover_batch_joints(&self, machine: Machine<'_>, batch: &mut Batch, reversed: bool, h: f32) {
-        batch.weigh(machine);
-        batch.aim_joints(machine, h);
+    fn recover_batch_joints(&self, machine: Machine<'_>, batch: &mut Batch, h: f32) {
         let recovery = &self.options.solver.joint_recovery;
-        if recovery.enabled {
-            let pass = JointPass::recovery(h, recovery.rate);
-            batch.recover(machine, &pass, reversed, h);
-            batch.outcome.work += batch.joints.work.recovery;
+        if !recovery.enabled {
+            return batch.aim_joints(machine, h, None);
         }
+        batch.aim_joints(machine, h, Some(&JointPass::recovery(h, recovery.rate)));
+        batch.each(machine, |part| part.shift(machine.level, h));
+        batch.outcome.work += batch.joints.work.recovery;
     }
 }
 
@@ -229,9 +229,10 @@ impl Batch {
         !self.joints.is_empty()
     }
 
-    /// Rows of joints for the poses as they are, and what arcs will add to their gaps in `h` seconds.
+    /// Rows of joints for the poses as they are, and what arcs will add to their gaps in `h` seconds; velocities toward
+    /// what they ask for, in the order of a forward sweep as the one before the motion.
     #[inline(never)]
-    fn aim_joints(&mut self, machine: Machine<'_>, h: f32) {
+    fn aim_joints(&mut self, machine: Machine<'_>, h: f32, recovery: Option<&JointPass>) {
         if self.joints.is_empty() {
             return;
         }
@@ -240,7 +241,7 @@ impl Batch {
             part.follow(level);
             part.swing(level);
         });
-        self.with_poses(machine, |part, poses| part.turn_joints(level, poses, h));
+        self.with_poses(machine, |part, poses| part.turn_joints(level, poses, h, recovery));
         self.outcome.work += self.joints.work.rows;
     }
 
@@ -258,12 +259,6 @@ impl Batch {
         }
         self.each(machine, |part| part.weigh_bodies(machine.level));
         self.each_and_seam(machine, |part| part.weigh_contacts(machine.level));
-    }
-
-    /// Moves bodies as joints ask for.
-    fn recover(&mut self, machine: Machine<'_>, pass: &JointPass, reversed: bool, h: f32) {
-        self.each_joint(machine, reversed, |part| part.push_joints(machine.level, pass, reversed));
-        self.each(machine, |part| part.shift(machine.level, h));
     }
 
     /// Errors of joints at the end of the step.
