@@ -8,7 +8,7 @@ use crate::collision::clip::Candidates;
 use crate::collision::curved::{Curved, curved_triangle};
 use crate::collision::feature_id::Feature;
 use crate::collision::narrow_phase::{LocalManifolds, with_polyhedron};
-use crate::collision::polyhedron::Polyhedron;
+use crate::collision::polyhedron::{Polyhedron, box_edge, box_edge_points};
 use crate::collision::reduce::push_manifold;
 use crate::collision::round::{PlacedCapsule, capsule_points, nearest_on_polyhedron, push_ball_of_part};
 use crate::collision::sat::{Axis, Pair, Points, Source, Tolerance};
@@ -41,9 +41,11 @@ pub(crate) fn surface_solid(
                 capsule(triangle, &placed, &tolerance(triangle), out);
             });
         }
-        Geometry::Cuboid { .. } | Geometry::ConvexHull(_) => with_polyhedron(solid, |solid| {
+        Geometry::Cuboid { .. } | Geometry::ConvexHull(_) => with_polyhedron(solid, |view| {
+            let half = if let Geometry::Cuboid { half_extents } = solid { Some(*half_extents) } else { None };
+            let placed = Placed { solid: view, half, pose, inverse: pose.inverse(), center: *pose * view.center };
             for_each_triangle(surface, least, greatest, |triangle| {
-                polyhedron(triangle, &solid, pose, tolerance(triangle), out);
+                polyhedron(triangle, &placed, tolerance(triangle), out);
             });
         }),
         _ => {
@@ -115,18 +117,22 @@ fn capsule(triangle: &SurfaceTriangle, capsule: &PlacedCapsule, tolerance: &Tole
     push_manifold(-gap.direction, triangle.index, &mut points, tolerance.clip, out);
 }
 
-fn polyhedron(
-    triangle: &SurfaceTriangle,
-    solid: &Polyhedron,
-    pose: &Pose,
-    tolerance: Tolerance,
-    out: &mut LocalManifolds,
-) {
-    if is_behind(triangle, *pose * solid.center) {
+/// A polyhedron in the frame of the surface.
+struct Placed<'a> {
+    solid: Polyhedron<'a>,
+    /// Half extents of a box.
+    half: Option<Vec3>,
+    pose: &'a Pose,
+    inverse: Pose,
+    center: Vec3,
+}
+
+fn polyhedron(triangle: &SurfaceTriangle, placed: &Placed<'_>, tolerance: Tolerance, out: &mut LocalManifolds) {
+    if is_behind(triangle, placed.center) {
         return;
     }
-    let Some(chosen) = contact_axis(triangle, solid, pose, &tolerance) else { return };
-    let pair = Pair { a: triangle.solid.view(), b: *solid, b_in_a: pose, part: triangle.index, tolerance };
+    let Some(chosen) = contact_axis(triangle, placed, &tolerance) else { return };
+    let pair = Pair { a: triangle.solid.view(), b: placed.solid, b_in_a: placed.pose, part: triangle.index, tolerance };
     let mut points = Candidates::new();
     match chosen.source {
         Source::FaceA(_) => {
@@ -141,8 +147,8 @@ fn polyhedron(
 }
 
 /// The axis of least overlap that is allowed here; `None` if apart or if a neighbor has the contact.
-fn contact_axis(triangle: &SurfaceTriangle, solid: &Polyhedron, pose: &Pose, tolerance: &Tolerance) -> Option<Axis> {
-    let center = *pose * solid.center;
+fn contact_axis(triangle: &SurfaceTriangle, placed: &Placed<'_>, tolerance: &Tolerance) -> Option<Axis> {
+    let &Placed { ref solid, half, pose, inverse, .. } = placed;
     let flat = triangle.solid.view();
     let front = flat.faces[0];
     let down = pose.rotation.inverse() * -front.normal;
@@ -153,42 +159,64 @@ fn contact_axis(triangle: &SurfaceTriangle, solid: &Polyhedron, pose: &Pose, tol
         return None;
     }
     // A face or edge of the solid must be better than the face of the triangle by a lead.
-    let needed = separation + 0.02 * separation.abs() + tolerance.axis;
-    let mut best: Option<(Axis, Verdict)> = None;
-    let mut consider = |axis: Axis| {
-        if axis.separation > best.map_or(needed, |(best, _)| best.separation) {
-            match triangle.verdict(axis.direction, center) {
-                Verdict::Forbidden => {}
-                verdict => best = Some((axis, verdict)),
-            }
-        }
-        axis.separation <= tolerance.margin
-    };
-
-    let pose_inverse = pose.inverse();
-    let vertices_in_solid: [Vec3; 3] = std::array::from_fn(|k| pose_inverse * flat.vertices[k]);
+    let lead = 0.02 * separation.abs() + tolerance.axis;
+    let mut choice = Choice { triangle, placed, margin: tolerance.margin, greatest: separation + lead, best: None };
+    let vertices_in_solid: [Vec3; 3] = std::array::from_fn(|k| inverse * flat.vertices[k]);
     for (i, face) in (0..).zip(solid.faces) {
         let heights = vertices_in_solid.map(|v| face.normal.dot(v) - face.offset);
         let separation = heights[0].min(heights[1]).min(heights[2]);
-        if !consider(Axis { source: Source::FaceB(i), direction: pose.rotation * -face.normal, separation }) {
+        if !choice.consider(Source::FaceB(i), -face.normal, separation) {
             return None;
         }
     }
     for k in 0..3 {
         let [start, end] = [vertices_in_solid[k], vertices_in_solid[(k + 1) % 3]];
-        let outward = pose_inverse.rotation * (flat.vertices[(k + 1) % 3] - flat.vertices[k]).cross(front.normal);
-        for i in 0..solid.edges.len() {
-            let Some((direction, separation)) = edge_axis(start, end, outward, solid, i) else { continue };
-            let source = Source::Edges(k as u32, i as u32);
-            if !consider(Axis { source, direction: pose.rotation * direction, separation }) {
+        let outward = inverse.rotation * (flat.vertices[(k + 1) % 3] - flat.vertices[k]).cross(front.normal);
+        // Of four edges of a box side by side one can have the contact.
+        let tries = if half.is_some() { 3 } else { solid.edges.len() };
+        for i in 0..tries {
+            let found = match half {
+                Some(half) => box_edge_axis(start, end, outward, half, i, choice.greatest),
+                None => edge_axis(start, end, outward, solid, i).map(|(direction, gap)| (direction, gap, i)),
+            };
+            let Some((direction, separation, edge)) = found else { continue };
+            if !choice.consider(Source::Edges(k as u32, edge as u32), direction, separation) {
                 return None;
             }
         }
     }
-    match best {
+    match choice.best {
         Some((_, Verdict::Neighbors)) => None,
         Some((axis, _)) => Some(axis),
         None => Some(over_face),
+    }
+}
+
+/// The best of the axes seen.
+struct Choice<'a> {
+    triangle: &'a SurfaceTriangle,
+    placed: &'a Placed<'a>,
+    margin: f32,
+    /// What an axis must be better than.
+    greatest: f32,
+    best: Option<(Axis, Verdict)>,
+}
+
+impl Choice<'_> {
+    /// Looks at an axis in the frame of the solid; whether the shapes are near along it.
+    fn consider(&mut self, source: Source, direction: Vec3, separation: f32) -> bool {
+        let is_near = separation <= self.margin;
+        if is_near && separation > self.greatest {
+            let direction = self.placed.pose.rotation * direction;
+            match self.triangle.verdict(direction, self.placed.center) {
+                Verdict::Forbidden => {}
+                verdict => {
+                    self.greatest = separation;
+                    self.best = Some((Axis { source, direction, separation }, verdict));
+                }
+            }
+        }
+        is_near
     }
 }
 
@@ -207,4 +235,59 @@ fn edge_axis(start: Vec3, end: Vec3, outward: Vec3, solid: &Polyhedron, edge: us
     let cosine = normals[0].dot(normals[1]);
     let on_arc = -direction.dot(normals[0]) >= cosine && -direction.dot(normals[1]) >= cosine;
     on_arc.then(|| (direction, direction.dot(points[0] - start)))
+}
+
+/// The same of the edges of a box along one of its axes, and which of them it is; those whose separation is below
+/// `least` may be left out, most of them without a root.
+fn box_edge_axis(
+    start: Vec3,
+    end: Vec3,
+    outward: Vec3,
+    half: Vec3,
+    axis: usize,
+    least: f32,
+) -> Option<(Vec3, f32, usize)> {
+    let along = end - start;
+    let cross = along.cross(Vec3::AXES[axis]);
+    let cross = if cross.dot(outward) >= 0.0 { cross } else { -cross };
+    let positive = |k: usize| usize::from(cross[k % 3] < 0.0);
+    let edge = box_edge(axis, positive(axis + 1), positive(axis + 2));
+    let [point, _] = box_edge_points(half, edge);
+    // Shorter than the edge it is made from: where negative, the separation is no greater than this over its length.
+    let (scaled, square, longest) = (cross.dot(point - start), cross.length_squared(), along.length_squared());
+    let limit = least.min(0.0);
+    if scaled < 0.0 && scaled * scaled > 1.000_01 * limit * limit * longest || square < 1e-6 * longest {
+        return None;
+    }
+    let length = square.sqrt();
+    Some((cross / length, scaled / length, edge))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collision::polyhedron::BoxPolyhedron;
+    use crate::solver::permutation::Random;
+
+    #[test]
+    fn edges_of_a_box_cross_as_those_of_any_polyhedron() {
+        let mut random = Random(3);
+        let mut number = || (random.bits() >> 40) as f32 / (1 << 23) as f32 - 1.0;
+        for _ in 0..500 {
+            let mut vector = || Vec3::new(number(), number(), number());
+            let half = vector().abs() + Vec3::splat(0.1);
+            let (start, end, outward) = (vector(), vector(), vector());
+            let solid = BoxPolyhedron::new(half);
+            for axis in 0..3 {
+                let (direction, gap, edge) = box_edge_axis(start, end, outward, half, axis, f32::NEG_INFINITY).unwrap();
+                let others = (4 * axis..4 * axis + 4)
+                    .filter_map(|i| Some((i, edge_axis(start, end, outward, &solid.view(), i)?)));
+                let others: Vec<_> = others.collect();
+                assert_eq!(others.len(), 1, "one of four edges");
+                let (name, (same, other_gap)) = others[0];
+                assert_eq!(name, edge);
+                assert!((same - direction).length() < 1e-6 && (other_gap - gap).abs() < 1e-5);
+            }
+        }
+    }
 }

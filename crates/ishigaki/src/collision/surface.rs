@@ -15,6 +15,7 @@ use crate::math::Vec3;
 use crate::shape::{Geometry, HeightField, TriangleMesh};
 use parry3d::bounding_volume::Aabb;
 use smallvec::SmallVec;
+use std::cell::OnceCell;
 
 /// Sine of the angle by which a direction may pass the fan of a ridge.
 const BEYOND_RIDGE: f32 = 0.02;
@@ -28,12 +29,20 @@ pub(crate) struct SurfaceTriangle {
     pub solid: TrianglePolyhedron,
     pub index: u32,
     pub normal: Vec3,
+    /// The triangles across its edges: index and corners.
+    beside: [Option<(u32, [Vec3; 3])>; 3],
+    /// What most triangles near a solid are not asked for.
+    surroundings: OnceCell<Surroundings>,
+    /// Whether there is solid ground behind it: what has sunk in is pushed out.
+    pub is_ground: bool,
+}
+
+/// What a triangle knows of its edges.
+struct Surroundings {
     /// Across each edge.
     neighbors: [Option<Neighbor>; 3],
     /// In the plane of the triangle, away from it, unit: one for each edge.
     outward: [Vec3; 3],
-    /// Whether there is solid ground behind it: what has sunk in is pushed out.
-    pub is_ground: bool,
 }
 
 /// A triangle across an edge.
@@ -64,12 +73,19 @@ pub(crate) enum Verdict {
 }
 
 impl SurfaceTriangle {
-    fn new(vertices: [Vec3; 3], index: u32, neighbors: [Option<(u32, [Vec3; 3])>; 3], is_ground: bool) -> Option<Self> {
+    fn new(vertices: [Vec3; 3], index: u32, beside: [Option<(u32, [Vec3; 3])>; 3], is_ground: bool) -> Option<Self> {
         let solid = TrianglePolyhedron::new(vertices)?;
         let normal = solid.view().faces[0].normal;
-        let side = |k: usize| (vertices[(k + 1) % 3] - vertices[k]).cross(normal).normalize_or_zero();
-        let neighbors = neighbors.map(|n| n.and_then(|(index, corners)| Neighbor::new(index, corners)));
-        Some(Self { solid, index, normal, neighbors, outward: [side(0), side(1), side(2)], is_ground })
+        Some(Self { solid, index, normal, beside, surroundings: OnceCell::new(), is_ground })
+    }
+
+    fn surroundings(&self) -> &Surroundings {
+        self.surroundings.get_or_init(|| {
+            let vertices = self.solid.view().vertices;
+            let side = |k: usize| (vertices[(k + 1) % 3] - vertices[k]).cross(self.normal).normalize_or_zero();
+            let neighbors = self.beside.map(|n| n.and_then(|(index, corners)| Neighbor::new(index, corners)));
+            Surroundings { neighbors, outward: [side(0), side(1), side(2)] }
+        })
     }
 
     /// Whether `direction`, a unit vector away from the surface, may be a normal for a solid with this center.
@@ -79,7 +95,8 @@ impl SurfaceTriangle {
             return Verdict::Forbidden;
         }
         let mut verdict = Verdict::Allowed;
-        for (outward, neighbor) in self.outward.iter().zip(&self.neighbors) {
+        let Surroundings { neighbors, outward } = self.surroundings();
+        for (outward, neighbor) in outward.iter().zip(neighbors) {
             let out = direction.dot(*outward);
             if out <= BEYOND_FLAT {
                 continue;
@@ -103,7 +120,7 @@ impl SurfaceTriangle {
 
     /// Drops points on borders inside a plane: the same plane goes on behind them, and so does the contact.
     pub fn drop_inner_points(&self, points: &mut Candidates) {
-        let flat = self.neighbors.map(|n| n.is_some_and(|n| n.normal.dot(self.normal) > FLAT));
+        let flat = self.surroundings().neighbors.map(|n| n.is_some_and(|n| n.normal.dot(self.normal) > FLAT));
         points.retain(|point: &mut LocalPoint| {
             if let Some(edge) = point.id.a().as_edge() {
                 !flat[edge as usize % 3]
@@ -117,7 +134,14 @@ impl SurfaceTriangle {
     }
 }
 
-/// Calls `visit` with every triangle of the surface whose box touches the box from `least` to `greatest`.
+/// Whether all of a box is in front of the plane through three corners.
+fn is_in_front([a, b, c]: [Vec3; 3], least: Vec3, greatest: Vec3) -> bool {
+    let normal = (b - a).cross(c - a);
+    normal.dot(0.5 * (least + greatest) - a) > normal.abs().dot(0.5 * (greatest - least))
+}
+
+/// Calls `visit` with the triangles of the surface near the box from `least` to `greatest`: none that touches it is
+/// left out.
 pub(crate) fn for_each_triangle(
     surface: &Geometry,
     least: Vec3,
@@ -137,6 +161,9 @@ fn visit_mesh(mesh: &TriangleMesh, least: Vec3, greatest: Vec3, visit: &mut impl
     found.sort_unstable();
     let corners = |t: u32| mesh.triangles()[t as usize].map(|v| mesh.vertices()[v as usize]);
     for t in found {
+        if is_in_front(corners(t), least, greatest) {
+            continue;
+        }
         let neighbors = mesh.neighbors[t as usize].map(|n| n.map(|n| (n, corners(n))));
         if let Some(triangle) = SurfaceTriangle::new(corners(t), t, neighbors, false) {
             visit(&triangle);
@@ -169,12 +196,20 @@ fn visit_field(field: &HeightField, least: Vec3, greatest: Vec3, visit: &mut imp
         };
         (index, corners)
     };
+    // In cells along x and z: beyond the line between both triangles of a cell the sum is greater than 1.
+    let sum = |p: Vec3, row: usize, column: usize| {
+        (p.x + 0.5 * size_x) / step_x - column as f32 + ((p.z + 0.5 * size_z) / step_z - row as f32)
+    };
     for row in range(least.z, greatest.z, size_z, step_z, cells_z) {
         for column in range(least.x, greatest.x, size_x, step_x, cells_x) {
             for second in [false, true] {
+                let is_beside = if second { sum(greatest, row, column) < 1.0 } else { sum(least, row, column) > 1.0 };
+                if is_beside {
+                    continue;
+                }
                 let (index, corners) = triangle(row, column, second);
                 let heights = corners.map(|c| c.y);
-                if heights.iter().all(|&y| y > greatest.y) {
+                if heights.iter().all(|&y| y > greatest.y) || is_in_front(corners, least, greatest) {
                     continue;
                 }
                 let neighbors = if second {
@@ -195,5 +230,59 @@ fn visit_field(field: &HeightField, least: Vec3, greatest: Vec3, visit: &mut imp
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::solver::permutation::Random;
+    use parry3d::math::Pose;
+    use parry3d::query::intersection_test;
+    use parry3d::shape::{Cuboid, Triangle};
+    use std::sync::Arc;
+
+    #[test]
+    fn no_triangle_that_touches_the_box_is_left_out() {
+        const COUNT: usize = 5;
+        let mut random = Random(11);
+        let mut number = |size: f32| size * (random.bits() >> 40) as f32 / (1 << 24) as f32;
+        let heights: Vec<f32> = (0..COUNT * COUNT).map(|_| number(1.0)).collect();
+        let corner = |row: usize, column: usize| {
+            Vec3::new(0.8 * column as f32 - 1.6, heights[row * COUNT + column], 0.5 * row as f32 - 1.0)
+        };
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        for (row, column) in (0..COUNT - 1).flat_map(|row| (0..COUNT - 1).map(move |column| (row, column))) {
+            let [a, b] = [corner(row, column), corner(row + 1, column)];
+            let [c, d] = [corner(row, column + 1), corner(row + 1, column + 1)];
+            for corners in [[a, b, c], [b, d, c]] {
+                triangles.push([0, 1, 2].map(|k| vertices.len() as u32 + k));
+                vertices.extend(corners);
+            }
+        }
+        let field = HeightField::new(COUNT, COUNT, heights.clone(), 3.2, 2.0).unwrap();
+        let mesh = TriangleMesh::new(vertices.clone(), triangles.clone()).unwrap();
+        let surfaces = [Geometry::HeightField(Arc::new(field)), Geometry::TriangleMesh(Arc::new(mesh))];
+        let (mut touched, mut visited) = (0, 0);
+        for _ in 0..300 {
+            let least = Vec3::new(number(3.6) - 2.0, number(1.5) - 0.5, number(2.4) - 1.4);
+            let half = 0.5 * Vec3::new(0.05 + number(0.7), 0.05 + number(0.7), 0.05 + number(0.7));
+            let place = Pose::from_translation(least + half);
+            for surface in &surfaces {
+                let mut found = Vec::new();
+                for_each_triangle(surface, least, least + 2.0 * half, |triangle| found.push(triangle.index));
+                visited += found.len();
+                for (index, corners) in (0..).zip(&triangles) {
+                    let [a, b, c] = corners.map(|v| vertices[v as usize]);
+                    let touches =
+                        intersection_test(&Pose::IDENTITY, &Triangle::new(a, b, c), &place, &Cuboid::new(half));
+                    if touches.unwrap().intersecting {
+                        touched += 1;
+                        assert!(found.contains(&index), "triangle {index} at {least} and {half}");
+                    }
+                }
+            }
+        }
+        assert!(touched > 500 && visited < 2 * touched, "{visited} looked at, {touched} touch");
     }
 }
