@@ -124,6 +124,12 @@ impl<T> Arena<T> {
         self.slots.iter().enumerate().filter_map(|(i, s)| s.value.as_ref().map(|v| (i as u32, v)))
     }
 
+    /// Objects in slots that are chosen: the others are not looked at.
+    pub fn iter_where(&self, is_chosen: impl Fn(u32) -> bool) -> impl Iterator<Item = (u32, &T)> {
+        let chosen = (0..).zip(&self.slots).filter(move |&(index, _)| is_chosen(index));
+        chosen.filter_map(|(index, slot)| slot.value.as_ref().map(|value| (index, value)))
+    }
+
     /// Objects in slot order.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (u32, &mut T)> {
         self.slots.iter_mut().enumerate().filter_map(|(i, s)| s.value.as_mut().map(|v| (i as u32, v)))

@@ -28,7 +28,13 @@ impl World {
         };
         let gravity = self.options.gravity;
         let mut sums = self.options.report.energy.then(EnergySums::default);
-        for (index, body) in self.bodies.iter() {
+        // What has slept for the whole step is not looked at.
+        let roles = &self.scratch.roles;
+        let all = sums.is_some() || self.scratch.has_woken;
+        let is_seen = |slot: u32| all || !roles[slot as usize].sleeps();
+        let mut seen = 0;
+        for (index, body) in self.bodies.iter_where(is_seen) {
+            seen += 1;
             // What sleeps was finite when it fell asleep.
             let sleeps = body.asleep && !body.broken;
             let is_finite = sleeps || body.is_finite();
@@ -43,6 +49,7 @@ impl World {
                 sums.add(body, gravity);
             }
         }
+        report.asleep += report.bodies - seen;
         if let Some(sums) = sums {
             sums.write(&mut report);
         }
@@ -65,6 +72,7 @@ impl World {
             .collect();
         for (joint, force, torque) in broken {
             self.remove_joint(joint);
+            self.scratch.has_woken = true;
             self.events.push(Event::JointBroke { joint, force, torque });
         }
     }

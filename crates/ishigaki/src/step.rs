@@ -1,7 +1,7 @@
 //! One step: the ten stages in their order, and nothing else. The stages live in the folders.
 
 use crate::body::Role;
-use crate::collision::link::Link;
+use crate::collision::link::{Judge, Link};
 use crate::collision::pair::clear_burst;
 use crate::collision::pairs::Moves;
 use crate::collision::proxy::Proxies;
@@ -30,6 +30,8 @@ const FEW: usize = 300;
 pub(crate) struct Scratch {
     /// Of each part of the bodies: some ask for forces of contacts.
     pub hears_forces: Vec<bool>,
+    /// Of each body slot: what touches it must be looked at.
+    pub stirs: Vec<bool>,
     /// Of all shapes that are there, and perhaps of some that were; nothing until a step asks for it.
     pub groups: Option<Groups>,
     pub moved_shapes: Vec<u32>,
@@ -39,12 +41,16 @@ pub(crate) struct Scratch {
     pub gone_pairs: Vec<(u32, u32, bool)>,
     pub proxies: Proxies,
     pub narrow: Vec<Part>,
+    /// Of the contacts as they were at the end of the last step, at the same places; empty if that is not known.
     pub links: Vec<Link>,
-    /// A body slept when links were made, and does no longer.
+    /// What they were judged by.
+    pub judge: Option<Judge>,
+    /// A body slept when contacts were looked at, and does no longer.
     pub has_woken: bool,
     pub joint_links: JointLinks,
     pub joint_errors: JointErrors,
     pub joint_sums: Vec<JointErrors>,
+    /// Of each body slot, as edited where there is no body; empty if bodies went since.
     pub roles: Vec<Role>,
     pub contact_sums: Vec<ContactSums>,
     pub parents: Vec<u32>,
@@ -174,9 +180,12 @@ impl World {
         let hears = &mut self.scratch.hears_forces;
         hears.clear();
         hears.resize(self.workers.parts(self.bodies.slot_count()), false);
-        self.workers.in_parts(self.bodies.all(), hears, |bodies, hears_forces| {
-            for (_, body) in bodies.objects() {
+        let stirs = &mut self.scratch.stirs;
+        stirs.resize(self.bodies.slot_count(), false);
+        self.workers.in_parts((self.bodies.all(), &mut stirs[..]), hears, |(bodies, stirs), hears_forces| {
+            for (body, stirs) in bodies.objects_with(stirs, |_| true) {
                 *hears_forces |= body.force_threshold.is_some();
+                *stirs = false;
                 if body.asleep && sleeps && !body.edited {
                     continue;
                 }
@@ -187,6 +196,7 @@ impl World {
                 if !sleeps && body.asleep {
                     body.wake();
                 }
+                *stirs = body.is_stirring();
             }
         });
         true

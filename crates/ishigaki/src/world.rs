@@ -2,6 +2,7 @@
 
 use crate::body::{Body, BodyState, ShapeId, ShapeState};
 use crate::collision::broad_phase::BroadPhase;
+use crate::collision::contact_list;
 use crate::collision::manifold::{Contact, Manifold};
 use crate::collision::pair::PairList;
 use crate::constraint::joint::Joint;
@@ -241,6 +242,7 @@ impl World {
             return false;
         }
         self.disturb();
+        self.scratch.roles.clear();
         let index = handle.index;
         let mut ended = Vec::new();
         for contact in self.contacts.iter().filter(|c| c.touching && (c.body_a == index || c.body_b == index)) {
@@ -282,7 +284,8 @@ impl World {
             }
             false
         });
-        self.contacts.retain(|c| c.body_a != index && c.body_b != index);
+        let (contacts, links) = (&mut self.contacts, &mut self.scratch.links);
+        contact_list::retain(contacts, links, |c| c.body_a != index && c.body_b != index);
     }
 
     /// A body, unless the handle is stale.

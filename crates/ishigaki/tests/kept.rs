@@ -1,5 +1,5 @@
-//! What the engine keeps from step to step, joints in their blocks and room in its lists, changes no bit: a world that was
-//! restored a moment ago has none of it.
+//! What the engine keeps from step to step, joints in their blocks, room in its lists and what it knows of sleepers, changes
+//! no bit: a world that was restored a moment ago has none of it.
 
 use ishigaki::{Body, BodyHandle, Event, Joint, JointHandle, JointKind, Pose, Shape, Vec3, World};
 
@@ -18,6 +18,8 @@ fn compare(world: &mut World, steps: usize, dt: f32, what: &str) {
         assert_eq!((report.pairs, report.contacts), (of_other.pairs, of_other.contacts), "{what}, step {step}");
         assert_eq!(report.max_joint_error, of_other.max_joint_error, "{what}, step {step}");
         assert_eq!(report.work, of_other.work, "{what}, step {step}");
+        let counts = |r: &ishigaki::StepReport| (r.asleep, r.islands, r.narrow_phase_calls, r.max_penetration);
+        assert_eq!(counts(&report), counts(&of_other), "{what}, step {step}");
         assert_eq!(world.snapshot(), other.snapshot(), "{what}, step {step}");
     }
 }
@@ -115,6 +117,77 @@ fn room_in_the_lists_of_pairs_and_contacts_changes_no_bit() {
         }
     }
     assert!(greatest > 200, "{greatest} contacts");
+}
+
+/// Towers of three boxes that sleep, and a ball that rolls among them.
+#[test]
+fn contacts_and_roles_of_sleepers_are_those_of_restored_ones() {
+    let mut world = World::default();
+    let ground = world.add_body(Body::fixed(Shape::half_space(Vec3::Y))).unwrap();
+    let mut boxes = Vec::new();
+    for k in 0..36_u16 {
+        let at = Vec3::new(3.0 * f32::from(k / 3 % 4), 0.5 + f32::from(k % 3), 3.0 * f32::from(k / 12));
+        boxes.push(world.add_body(Body::dynamic(Shape::cuboid(0.5, 0.5, 0.5)).at(at)).unwrap());
+    }
+    // The last two of a row are a gap of 2 mm apart: less than a body falls in 1/60 s, more than in half of it.
+    let row = [0.0, 1.0, 2.002]
+        .map(|x| world.add_body(Body::dynamic(Shape::cuboid(0.5, 0.5, 0.5)).at(Vec3::new(x, 0.5, -4.0))).unwrap());
+    let platform = Vec3::new(-6.0, 3.0, 0.0);
+    let plate = world.add_body(Body::fixed(Shape::cuboid(1.0, 0.1, 1.0)).at(platform)).unwrap();
+    for height in [0.6, 1.6] {
+        let on_it = platform + height * Vec3::Y;
+        world.add_body(Body::dynamic(Shape::cuboid(0.5, 0.5, 0.5)).at(on_it)).unwrap();
+    }
+    let ball = Body::dynamic(Shape::ball(0.4)).at(Vec3::new(-40.0, 0.4, 1.5)).velocity(2.0 * Vec3::X);
+    let ball = world.add_body(ball).unwrap();
+    (0..120).for_each(|_| drop(world.step(DT)));
+    assert_eq!(world.report().asleep, 36 + 3 + 2);
+    compare(&mut world, 3, DT, "all but the ball sleep");
+    world.body_mut(row[0]).unwrap().set_velocity(-0.1 * Vec3::X).unwrap();
+    compare(&mut world, 1, 0.5 * DT, "what is 2 mm from the second is not of its island in half a step");
+    assert!(world.body(row[2]).unwrap().is_asleep());
+    compare(&mut world, 60, DT, "a step again");
+    world.body_mut(plate).unwrap().set_pose(Pose::from_translation(platform - 9.0 * Vec3::X)).unwrap();
+    compare(&mut world, 60, DT, "what two stood on is gone");
+
+    let mut options = world.options().clone();
+    options.gravity *= 1.5;
+    options.solver.slop.depth *= 0.5;
+    world.set_options(options).unwrap();
+    compare(&mut world, 3, DT, "other options");
+    world.add_body(Body::dynamic(Shape::cuboid(0.2, 0.2, 0.2)).at(Vec3::new(0.1, 4.0, 0.0))).unwrap();
+    compare(&mut world, 90, DT, "something falls on a tower");
+    world.body_mut(boxes[10]).unwrap().set_velocity(Vec3::X).unwrap();
+    compare(&mut world, 40, DT, "one of another tower is pushed");
+    assert!(world.remove_body(boxes[12]));
+    compare(&mut world, 60, DT, "the lowest of a tower was removed");
+    // Another body takes the slot of one that slept.
+    assert!(world.remove_body(boxes[35]));
+    compare(&mut world, 2, DT, "one that slept was removed");
+    let fixed = Body::fixed(Shape::cuboid(0.5, 0.1, 0.5)).at(Vec3::new(9.0, 4.0, 6.0));
+    assert!(world.add_body(fixed).is_ok());
+    compare(&mut world, 30, DT, "something fixed in the slot of a sleeper");
+    let joint = world.add_joint(Joint::ball(boxes[18], boxes[21], Vec3::new(7.5, 0.5, 3.0))).unwrap();
+    compare(&mut world, 80, DT, "a joint between towers");
+    assert!(world.remove_joint(joint));
+    compare(&mut world, 80, DT, "and none any more");
+    world.exclude_pair(boxes[24], boxes[25]).unwrap();
+    compare(&mut world, 5, DT, "two that touch no longer may");
+    world.include_pair(boxes[24], boxes[25]).unwrap();
+    compare(&mut world, 30, DT, "and may again");
+    world.body_mut(ground).unwrap().set_pose(Pose::from_translation(-0.05 * Vec3::Y)).unwrap();
+    compare(&mut world, 30, DT, "the ground was moved");
+    assert!(world.remove_body(ball));
+    for step in 0..400 {
+        world.step(DT);
+        if step % 20 == 0 {
+            compare(&mut world, 1, DT, "until all sleep");
+        }
+    }
+    assert!(world.report().asleep > 30);
+    assert!(world.remove_body(ground));
+    compare(&mut world, 20, DT, "no ground");
+    assert_eq!(world.report().asleep, 0);
 }
 
 /// A ball whose group touches nothing asks for no neighbors, until something comes that it may touch.

@@ -89,6 +89,25 @@ impl ContactList {
     }
 }
 
+/// Keeps some of the contacts, and the links at the same places.
+pub(crate) fn retain(contacts: &mut Vec<Contact>, links: &mut Vec<Link>, keeps: impl FnMut(&Contact) -> bool) {
+    if links.len() != contacts.len() {
+        links.clear();
+    }
+    let mut keeps = keeps;
+    let (mut place, mut kept) = (0, 0);
+    contacts.retain(|contact| {
+        let keep = keeps(contact);
+        if keep && kept < links.len() {
+            links[kept] = links[place];
+            kept += 1;
+        }
+        place += 1;
+        keep
+    });
+    links.truncate(kept);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,7 +1,7 @@
 //! What later stages ask of a contact, close together in memory: contacts themselves are ten times as large.
 //!
-//! Made anew in each step while a contact is at hand, in the order of contacts: islands, heights and batches look at
-//! these alone.
+//! In the order of contacts: islands, heights and batches look at these alone. Made anew in each step while a contact is
+//! at hand, but for those that sleep: these stay until a body stirs.
 
 use crate::body::BodyState;
 use crate::collision::manifold::{Contact, SurfaceExtras};
@@ -43,7 +43,7 @@ enum Nearness {
 }
 
 /// What links are judged by.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Judge {
     dt: f32,
     /// What gravity may add to the motion of the step, m.
@@ -85,6 +85,18 @@ impl Judge {
 impl Link {
     /// No batch.
     pub const NONE: u32 = u32::MAX;
+    /// Of a contact that nothing is known of.
+    pub const UNKNOWN: Self = Self {
+        bodies: [0; 2],
+        manifolds: 0,
+        points: 0,
+        nearness: Nearness::NoMatter,
+        sleeps: false,
+        joins: false,
+        asks_much: false,
+        batch: Self::NONE,
+        place: 0,
+    };
 
     pub fn new(contact: &Contact, a: &BodyState, b: &BodyState, judge: &Judge) -> Self {
         let points = || contact.manifolds.iter().flat_map(|m| &m.points);

@@ -32,25 +32,25 @@ pub(crate) fn surface_solid(
     let tolerance =
         |triangle: &SurfaceTriangle| Tolerance::new(margin, length_scale, size.min(triangle.solid.view().inner_radius));
     match solid {
-        Geometry::Ball { radius } => for_each_triangle(surface, least, greatest, |triangle| {
+        Geometry::Ball { radius } => for_each_triangle(surface, least, greatest, &mut |triangle| {
             ball(triangle, *radius, pose.translation, margin, out);
         }),
         Geometry::Capsule { half_length, radius } => {
             let placed = PlacedCapsule::new(*half_length, *radius, pose);
-            for_each_triangle(surface, least, greatest, |triangle| {
+            for_each_triangle(surface, least, greatest, &mut |triangle| {
                 capsule(triangle, &placed, &tolerance(triangle), out);
             });
         }
         Geometry::Cuboid { .. } | Geometry::ConvexHull(_) => with_polyhedron(solid, |view| {
             let half = if let Geometry::Cuboid { half_extents } = solid { Some(*half_extents) } else { None };
             let placed = Placed { solid: view, half, pose, inverse: pose.inverse(), center: *pose * view.center };
-            for_each_triangle(surface, least, greatest, |triangle| {
+            for_each_triangle(surface, least, greatest, &mut |triangle| {
                 polyhedron(triangle, &placed, tolerance(triangle), out);
             });
         }),
         _ => {
             if let Some(curved) = Curved::new(solid) {
-                for_each_triangle(surface, least, greatest, |triangle| {
+                for_each_triangle(surface, least, greatest, &mut |triangle| {
                     curved_triangle(triangle, &curved, pose, &tolerance(triangle), out);
                 });
             }

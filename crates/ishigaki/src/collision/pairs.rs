@@ -4,6 +4,7 @@
 //! The list of pairs is sorted by shape slots: its order does not depend on the tree.
 
 use crate::body::{BodyKind, BodyState, ShapeState};
+use crate::collision::contact_list;
 use crate::collision::continuous::start_center;
 use crate::collision::pair::{Pair, clear_burst};
 use crate::collision::proxy::{FatBounds, Places, Plane, Proxy};
@@ -29,12 +30,16 @@ impl World {
         let groups = self.scratch.groups.get_or_insert_with(|| {
             self.shapes.iter().fold(Groups::NONE, |groups, (_, shape)| groups.and(shape.shape.groups))
         });
-        let (bodies, sizes) = (&self.bodies, Margins { dt, margin, fat, groups: *groups });
+        let (bodies, stirs) = (&self.bodies, &self.scratch.stirs);
+        let sizes = Margins { dt, margin, fat, groups: *groups };
         let whole = (self.shapes.all(), proxies.places());
         self.workers.in_parts(whole, parts, |(shapes, mut places), moves| {
             moves.moved.clear();
             moves.planes.clear();
             for (slot, shape) in shapes.objects() {
+                if *places.holds(slot) && !(shape.moved || stirs[shape.body as usize]) {
+                    continue;
+                }
                 moves.enter(slot, shape, bodies.at(shape.body), &mut places, &sizes);
             }
         });
@@ -129,7 +134,7 @@ impl World {
         gone.clear();
         let mut pairs = self.pairs.iter().map(Pair::key);
         let mut pair = pairs.next();
-        self.contacts.retain(|c| {
+        contact_list::retain(&mut self.contacts, &mut self.scratch.links, |c| {
             while pair.is_some_and(|key| key < c.key()) {
                 pair = pairs.next();
             }
@@ -147,7 +152,12 @@ impl World {
             for slot in [a, b] {
                 let body = self.shapes.at(slot).body;
                 if !sensor {
-                    self.bodies.at_mut(body).feel_change();
+                    let body_state = self.bodies.at_mut(body);
+                    body_state.feel_change();
+                    // Between steps it may be new; all of them are told anew when one begins.
+                    if let Some(stirs) = self.scratch.stirs.get_mut(body as usize) {
+                        *stirs |= body_state.is_stirring();
+                    }
                 }
             }
             let event = self.touch_event(a, b, sensor, false);
@@ -216,12 +226,9 @@ struct Margins {
 }
 
 impl Moves {
-    /// Enters a shape, unless its entry holds; its bounds are made anew if it left them.
+    /// Enters a shape whose entry holds no longer; its bounds are made anew if it left them.
     fn enter(&mut self, slot: u32, shape: &mut ShapeState, body: &BodyState, places: &mut Places<'_>, by: &Margins) {
         let rests = (body.kind == BodyKind::Fixed || body.asleep) && !(body.edited || body.broken || shape.moved);
-        if rests && *places.holds(slot) {
-            return;
-        }
         *places.holds(slot) = false;
         let is_alone = !by.groups.allow(shape.shape.groups);
         if is_alone && !rests && self.enter_ball(slot, shape, body, places, by) {

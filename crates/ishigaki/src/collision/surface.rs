@@ -146,16 +146,16 @@ pub(crate) fn for_each_triangle(
     surface: &Geometry,
     least: Vec3,
     greatest: Vec3,
-    mut visit: impl FnMut(&SurfaceTriangle),
+    visit: &mut dyn FnMut(&SurfaceTriangle),
 ) {
     match surface {
-        Geometry::TriangleMesh(mesh) => visit_mesh(mesh, least, greatest, &mut visit),
-        Geometry::HeightField(field) => visit_field(field, least, greatest, &mut visit),
+        Geometry::TriangleMesh(mesh) => visit_mesh(mesh, least, greatest, visit),
+        Geometry::HeightField(field) => visit_field(field, least, greatest, visit),
         _ => {}
     }
 }
 
-fn visit_mesh(mesh: &TriangleMesh, least: Vec3, greatest: Vec3, visit: &mut impl FnMut(&SurfaceTriangle)) {
+fn visit_mesh(mesh: &TriangleMesh, least: Vec3, greatest: Vec3, visit: &mut dyn FnMut(&SurfaceTriangle)) {
     let bounds = Aabb::new(least, greatest);
     let mut found: SmallVec<[u32; 64]> = mesh.mesh.bvh().intersect_aabb(&bounds).collect();
     found.sort_unstable();
@@ -172,7 +172,7 @@ fn visit_mesh(mesh: &TriangleMesh, least: Vec3, greatest: Vec3, visit: &mut impl
 }
 
 /// Cells have two triangles: 2 (row (columns − 1) + column) and the next; the first is at the corner of least x and z.
-fn visit_field(field: &HeightField, least: Vec3, greatest: Vec3, visit: &mut impl FnMut(&SurfaceTriangle)) {
+fn visit_field(field: &HeightField, least: Vec3, greatest: Vec3, visit: &mut dyn FnMut(&SurfaceTriangle)) {
     let (rows, columns) = field.dimensions();
     let (size_x, size_z) = field.size();
     let (cells_x, cells_z) = (columns - 1, rows - 1);
@@ -270,7 +270,7 @@ mod tests {
             let place = Pose::from_translation(least + half);
             for surface in &surfaces {
                 let mut found = Vec::new();
-                for_each_triangle(surface, least, least + 2.0 * half, |triangle| found.push(triangle.index));
+                for_each_triangle(surface, least, least + 2.0 * half, &mut |triangle| found.push(triangle.index));
                 visited += found.len();
                 for (index, corners) in (0..).zip(&triangles) {
                     let [a, b, c] = corners.map(|v| vertices[v as usize]);

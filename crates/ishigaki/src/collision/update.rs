@@ -6,7 +6,7 @@ use crate::collision::continuous;
 use crate::collision::link::{Judge, Link};
 use crate::collision::manifold::{Contact, ContactPoint, LocalManifold, Manifold, SurfaceExtras};
 use crate::collision::narrow_phase::{LocalManifolds, find_manifolds};
-use crate::collision::pair::{Pair, append, clear_burst};
+use crate::collision::pair::{Pair, clear_burst};
 use crate::collision::pairs::motion_in_step;
 use crate::collision::proxy::Proxies;
 use crate::constraint::contact::share_evenly;
@@ -29,42 +29,42 @@ impl World {
         // Hooks are called in the order of pairs.
         let count = if hooks.is_some() { 1 } else { self.workers.parts(pairs.all.len()) };
         parts.resize_with(count, Part::default);
-        // The first part's links become those of the step, in the room of those of the last one.
-        std::mem::swap(&mut parts[0].links, &mut self.scratch.links);
+        let (mut links, judge) = (std::mem::take(&mut self.scratch.links), Judge::new(&self.options, dt));
+        if self.scratch.judge.replace(judge) != Some(judge) || links.len() != contacts.len() {
+            links.clear();
+        }
+        links.resize(contacts.len(), Link::UNKNOWN);
         let search = Search {
             world: self,
             margin: self.options.contact.speculative_margin * self.options.length_scale,
             proxies: &proxies,
             dt,
-            judge: Judge::new(&self.options, dt),
+            judge,
         };
-        let whole = PairsAndContacts { pairs: &mut pairs.all, contacts: &mut contacts };
+        let whole = PairsAndContacts { pairs: &mut pairs.all, contacts: &mut contacts, links: &mut links };
         match (hooks, &mut parts[..]) {
             (Some(hooks), [part]) => search.refresh(whole, part, &mut Some(hooks)),
             _ => self.workers.in_parts(whole, &mut parts, |share, part| search.refresh(share, part, &mut None)),
         }
-        self.gather(&mut parts, contacts);
+        self.gather(&mut parts, ContactList { contacts, links });
         self.scratch.proxies = proxies;
         self.scratch.narrow = parts;
         self.pairs = pairs;
     }
 
     /// What the parts found, in the order of pairs.
-    fn gather(&mut self, parts: &mut [Part], contacts: Vec<Contact>) {
+    fn gather(&mut self, parts: &mut [Part], mut list: ContactList) {
         let empty = parts.iter().map(|part| part.empty).sum();
         let mut new = ContactList::default();
-        self.scratch.links.clear();
         self.scratch.has_woken = false;
         for part in parts {
             new.append(&mut part.new);
-            append(&mut self.scratch.links, &mut part.links);
             self.report.frozen += part.frozen;
             self.report.narrow_phase_calls += part.calls;
             self.report.ids_matched += part.ids_matched;
             self.report.ids_expected += part.ids_expected;
             self.tell_touches(&mut part.touches);
         }
-        let mut list = ContactList { contacts, links: std::mem::take(&mut self.scratch.links) };
         list.insert(new, empty);
         (self.contacts, self.scratch.links) = (list.contacts, list.links);
     }
@@ -131,7 +131,6 @@ pub(crate) struct Part {
     found: LocalManifolds,
     old: SmallVec<[Manifold; 1]>,
     new: ContactList,
-    links: Vec<Link>,
     touches: Vec<Touch>,
     /// How many contacts have no points.
     empty: usize,
@@ -144,7 +143,6 @@ pub(crate) struct Part {
 impl Part {
     fn clear(&mut self) {
         self.new.clear();
-        self.links.clear();
         self.touches.clear();
         self.empty = 0;
         (self.frozen, self.calls, self.ids_matched, self.ids_expected) = (0, 0, 0, 0);
@@ -155,6 +153,8 @@ impl Part {
 struct PairsAndContacts<'a> {
     pairs: &'a mut [Pair],
     contacts: &'a mut [Contact],
+    /// Of the contacts.
+    links: &'a mut [Link],
 }
 
 impl Cut for PairsAndContacts<'_> {
@@ -165,7 +165,9 @@ impl Cut for PairsAndContacts<'_> {
             self.contacts.partition_point(|contact| contact.key() < first)
         });
         let (contacts, other_contacts) = self.contacts.split_at_mut(middle);
-        (Self { pairs, contacts }, Self { pairs: other_pairs, contacts: other_contacts })
+        let (links, other_links) = self.links.split_at_mut(middle);
+        let others = Self { pairs: other_pairs, contacts: other_contacts, links: other_links };
+        (Self { pairs, contacts, links }, others)
     }
 }
 
@@ -193,29 +195,40 @@ impl Search<'_> {
     /// All pairs of a part.
     fn refresh(&self, share: PairsAndContacts<'_>, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
         part.clear();
-        if part.links.capacity() == 0 {
-            part.links.reserve_exact(share.pairs.len());
-        }
-        let mut known = share.contacts.iter_mut().peekable();
+        let mut known = share.contacts.iter_mut().zip(share.links).peekable();
         for pair in share.pairs.iter_mut().filter(|pair| !pair.is_gone()) {
-            while let Some(contact) = known.next_if(|contact| contact.key() < pair.key()) {
-                self.push_link(contact, part);
+            while let Some((contact, link)) = known.next_if(|(contact, _)| contact.key() < pair.key()) {
+                self.renew_link(link, contact, part);
             }
-            match known.next_if(|contact| contact.key() == pair.key()) {
-                Some(contact) => {
-                    self.update_contact(pair, contact, part, hooks);
-                    self.push_link(contact, part);
+            match known.next_if(|(contact, _)| contact.key() == pair.key()) {
+                Some((contact, link)) => {
+                    if !self.sleeps_on(link) {
+                        self.update_contact(pair, contact, part, hooks);
+                    }
+                    self.renew_link(link, contact, part);
                 }
                 None => self.look_for_contact(pair, part, hooks),
             }
         }
-        known.for_each(|contact| self.push_link(contact, part));
+        known.for_each(|(contact, link)| self.renew_link(link, contact, part));
     }
 
-    fn push_link(&self, contact: &Contact, part: &mut Part) {
-        let (a, b) = (self.world.bodies.at(contact.body_a), self.world.bodies.at(contact.body_b));
-        part.links.push(Link::new(contact, a, b, &self.judge));
-        part.empty += usize::from(contact.is_empty());
+    /// Whether a contact slept in the last step and nothing stirs it now: all of it is as it was.
+    fn sleeps_on(&self, link: &Link) -> bool {
+        link.sleeps && !self.stir(&link.bodies)
+    }
+
+    /// Whether one of them stirs.
+    fn stir(&self, bodies: &[u32; 2]) -> bool {
+        bodies.iter().any(|&body| self.world.scratch.stirs[body as usize])
+    }
+
+    fn renew_link(&self, link: &mut Link, contact: &Contact, part: &mut Part) {
+        if !self.sleeps_on(link) {
+            let (a, b) = (self.world.bodies.at(contact.body_a), self.world.bodies.at(contact.body_b));
+            *link = Link::new(contact, a, b, &self.judge);
+        }
+        part.empty += usize::from(link.manifolds == 0);
     }
 
     /// A pair that has, or had, contact points.
@@ -259,14 +272,17 @@ impl Search<'_> {
 
     /// A pair without contact points.
     fn look_for_contact(&self, pair: &mut Pair, part: &mut Part, hooks: &mut Hooks<'_, '_>) {
+        let bodies = [pair.shape_a, pair.shape_b].map(|slot| self.proxies.motions[slot as usize].body);
+        if !self.stir(&bodies) {
+            return;
+        }
         if self.proxies.are_apart(pair.key(), self.margin) {
             pair.memory.frozen = false;
             return;
         }
         let (world, options) = (self.world, &self.world.options);
-        let body = |slot: u32| world.bodies.at(self.proxies.motions[slot as usize].body);
-        let (a, b) = (body(pair.shape_a), body(pair.shape_b));
-        if a.broken || b.broken || !(a.is_stirring() || b.is_stirring()) {
+        let [a, b] = bodies.map(|body| world.bodies.at(body));
+        if a.broken || b.broken {
             return;
         }
         if self.stays_frozen(pair, (a, b)) {

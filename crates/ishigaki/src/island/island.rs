@@ -20,6 +20,7 @@ impl World {
         if self.unite(&mut parents) || self.scratch.has_woken {
             self.unite_sleepers(&mut parents);
             self.wake_islands(&mut parents);
+            self.scratch.roles.clear();
         }
         self.number_islands(&mut parents);
         self.scratch.parents = parents;
@@ -69,16 +70,20 @@ impl World {
         }
     }
 
-    /// Roles of all bodies, with the islands of those that are awake.
+    /// Roles of all bodies, with the islands of those that are awake. Those that sleep on keep theirs.
     fn number_islands(&mut self, parents: &mut [u32]) {
         let (numbers, roles) = (&mut self.scratch.island_numbers, &mut self.scratch.roles);
         numbers.clear();
         numbers.resize(parents.len(), u32::MAX);
-        roles.clear();
-        roles.resize(parents.len(), Role::NOTHING);
+        if roles.len() == parents.len() {
+            roles.iter_mut().zip(&self.scratch.stirs).for_each(|(role, &stirs)| role.edited |= stirs);
+        } else {
+            roles.clear();
+            roles.resize(parents.len(), Role { edited: true, ..Role::NOTHING });
+        }
         let mut no_outputs = self.workers.no_outputs(parents.len());
         self.workers.in_parts((self.bodies.all(), &mut roles[..]), &mut no_outputs, |(bodies, roles), ()| {
-            bodies.objects_with(roles, |_| true).for_each(|(body, role)| *role = Role::of(body));
+            bodies.objects_with(roles, |role| !role.sleeps()).for_each(|(body, role)| *role = Role::of(body));
         });
         let mut islands = 0;
         for (role, index) in roles.iter_mut().zip(0..).filter(|(role, _)| role.active) {
