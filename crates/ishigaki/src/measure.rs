@@ -2,7 +2,7 @@
 
 use crate::body::BodyState;
 use crate::event::Event;
-use crate::handle::JointHandle;
+use crate::handle::{BodyHandle, JointHandle};
 use crate::math::Vec3;
 use crate::report::StepReport;
 use crate::solver::plan::Plan;
@@ -11,7 +11,7 @@ use crate::world::World;
 impl World {
     /// Fills the report with the state at the end of the step.
     pub(crate) fn complete_report(&mut self, plan: &Plan) {
-        let mut report = std::mem::take(&mut self.report);
+        let report = &mut self.report;
         report.bodies = self.bodies.len();
         report.pairs = self.pairs.len();
         report.wide_rows = plan.wide.rows;
@@ -41,7 +41,7 @@ impl World {
             if sleeps {
                 report.asleep += 1;
             } else if body.broken || !is_finite {
-                report.non_finite.push(self.body_handle(index));
+                report.non_finite.push(BodyHandle { index, generation: self.bodies.generation_at(index) });
             } else if body.is_dynamic() {
                 report.max_speed = report.max_speed.max(body.velocity.length());
             }
@@ -51,9 +51,8 @@ impl World {
         }
         report.asleep += report.bodies - seen;
         if let Some(sums) = sums {
-            sums.write(&mut report);
+            sums.write(report);
         }
-        self.report = report;
     }
 
     /// Removes joints that carried more than they can.

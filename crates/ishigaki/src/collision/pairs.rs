@@ -245,7 +245,10 @@ impl Moves {
         self.planes.extend(plane);
         if body.is_active() || body.is_moving_kinematic() || shape.moved {
             let swept = swept_bounds(tight, shape, body, by.dt, by.margin);
-            self.hold(slot, shape, body, swept, is_alone, places, by);
+            if !holds(shape, swept) {
+                let steps = if is_alone { STEPS_AHEAD_ALONE } else { STEPS_AHEAD };
+                self.widen(slot, shape, body, swept, steps, places, by);
+            }
         }
     }
 
@@ -262,27 +265,24 @@ impl Moves {
         places.leave_alone(slot, shape.body);
         let motion = motion_in_step(body, by.dt);
         let swept = (min.min(min + motion), max.max(max + motion));
-        self.hold(slot, shape, body, swept, true, places, by);
+        if !holds(shape, swept) {
+            self.widen(slot, shape, body, swept, STEPS_AHEAD_ALONE, places, by);
+        }
         true
     }
 
-    /// Bounds that hold a shape where it will be, as they are or made anew.
+    /// Bounds made anew for a shape that left them, or will in the step.
     #[expect(clippy::too_many_arguments, reason = "what `enter` has in its hands")]
-    fn hold(
+    fn widen(
         &mut self,
         slot: u32,
         shape: &mut ShapeState,
         body: &BodyState,
         (min, max): (Vec3, Vec3),
-        is_alone: bool,
+        steps: f32,
         places: &mut Places<'_>,
         by: &Margins,
     ) {
-        let inside = min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all();
-        if !shape.moved && inside {
-            return;
-        }
-        let steps = if is_alone { STEPS_AHEAD_ALONE } else { STEPS_AHEAD };
         let (low, high) = ahead(body, max - min, by.dt, steps);
         let before = if shape.moved { FatBounds::NOWHERE } else { FatBounds::of(shape) };
         (shape.bounds_min, shape.bounds_max) = (min + low - by.fat, max + high + by.fat);
@@ -290,6 +290,12 @@ impl Moves {
         shape.moved = false;
         self.moved.push(slot);
     }
+}
+
+/// Whether the bounds of a shape hold these, and nobody moved it.
+#[inline(always)]
+fn holds(shape: &ShapeState, (min, max): (Vec3, Vec3)) -> bool {
+    !shape.moved && min.cmpge(shape.bounds_min).all() && max.cmple(shape.bounds_max).all()
 }
 
 /// Bounds over the coming step: where the shape is and where its velocity takes it.
