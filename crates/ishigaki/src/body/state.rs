@@ -478,6 +478,10 @@ impl ShapeState {
     }
 
     pub fn world_from_shape(&self, body: &BodyState) -> Pose {
+        // Of most bodies it is their own.
+        if self.offset == Vec3::ZERO && self.shape.pose.rotation == Quat::IDENTITY {
+            return Pose::from_parts(body.center, body.rotation);
+        }
         Pose::from_parts(body.center, body.rotation) * Pose::from_parts(self.offset, self.shape.pose.rotation)
     }
 }
