@@ -8,7 +8,7 @@ use crate::mass::MassProperties;
 use crate::math::{Mat3, Pose, Quat, Vec3, rotated_diagonal, vector_from_rotation, without_dust};
 use crate::motion::Spin;
 use crate::motion::forces::limited;
-use crate::shape::Shape;
+use crate::shape::{Geometry, Shape};
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
@@ -473,7 +473,7 @@ impl ShapeState {
 
     /// The same of a ball about the center of mass, which no rotation moves.
     pub fn ball_bounds(&self, body: &BodyState) -> Option<(Vec3, Vec3)> {
-        let crate::shape::Geometry::Ball { radius } = self.shape.geometry else { return None };
+        let Geometry::Ball { radius } = self.shape.geometry else { return None };
         (self.offset == Vec3::ZERO).then(|| (body.center - radius, body.center + radius))
     }
 

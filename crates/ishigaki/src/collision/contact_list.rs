@@ -90,11 +90,10 @@ impl ContactList {
 }
 
 /// Keeps some of the contacts, and the links at the same places.
-pub(crate) fn retain(contacts: &mut Vec<Contact>, links: &mut Vec<Link>, keeps: impl FnMut(&Contact) -> bool) {
+pub(crate) fn retain(contacts: &mut Vec<Contact>, links: &mut Vec<Link>, mut keeps: impl FnMut(&Contact) -> bool) {
     if links.len() != contacts.len() {
         links.clear();
     }
-    let mut keeps = keeps;
     let (mut place, mut kept) = (0, 0);
     contacts.retain(|contact| {
         let keep = keeps(contact);
