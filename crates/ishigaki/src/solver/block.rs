@@ -8,7 +8,9 @@
 //! Proved by `tests/smoke.rs` (a pendulum keeps its length) and the unit tests here.
 
 use crate::constraint::friction::Coupling;
-use crate::solver::table::{Row, SolverBody, inner};
+use crate::math::Vec3;
+use crate::solver::table::{MassScale, Response, Row, SolverBody, inner, inner_at, response};
+use crate::solver::work;
 
 /// Rows in a block at most: a rigid connection has six.
 pub const MAX_BLOCK: usize = 6;
@@ -22,6 +24,8 @@ pub struct Block {
     pub first: u32,
     /// How many.
     pub count: u32,
+    /// Those of them, the first ones, that lie along the world axes x, y, z: three or none.
+    pub axes: u32,
     /// Unit lower triangle L, below the diagonal.
     lower: [[f32; MAX_BLOCK]; MAX_BLOCK],
     /// It is solved with a tree of joints, not alone.
@@ -41,6 +45,7 @@ pub fn gather(first: usize, rows: &mut [Row], blocks: &mut Vec<Block>) {
             let block = Block {
                 first: start as u32,
                 count: run as u32,
+                axes: if is_point(&rows[start..start + run]) { 3 } else { 0 },
                 in_tree: false,
                 tree: 0,
                 lower: [[0.0; MAX_BLOCK]; MAX_BLOCK],
@@ -61,14 +66,135 @@ pub fn gather(first: usize, rows: &mut [Row], blocks: &mut Vec<Block>) {
     }
 }
 
+/// The first three rows lie along the world axes, of bodies as heavy as they are.
+fn is_point(rows: &[Row]) -> bool {
+    let lies_along = |(row, axis): (&Row, Vec3)| row.jacobian.linear == axis && row.scale == MassScale::ONE;
+    rows.len() >= 3 && rows.iter().zip(Vec3::AXES).all(lies_along)
+}
+
 impl Block {
+    fn range(&self) -> std::ops::Range<usize> {
+        self.first as usize..(self.first + self.count) as usize
+    }
+
+    fn ends<'a>(&self, rows: &[Row], bodies: &'a [SolverBody]) -> [&'a SolverBody; 2] {
+        let row = &rows[self.first as usize];
+        [&bodies[row.body_a as usize], &bodies[row.body_b as usize]]
+    }
+
+    /// Fills in M⁻¹Jᵀ of its rows.
+    pub fn weigh(&self, rows: &mut [Row], bodies: &[SolverBody]) {
+        let [a, b] = self.ends(rows, bodies);
+        let rows = &mut rows[self.range()];
+        let (points, others) = rows.split_at_mut(self.axes as usize);
+        for (i, row) in points.iter_mut().enumerate() {
+            let (mut linear_a, mut linear_b) = (Vec3::ZERO, Vec3::ZERO);
+            (linear_a[i], linear_b[i]) = (a.inverse_mass[i], -b.inverse_mass[i]);
+            let angular_a = a.inverse_inertia * row.jacobian.angular_a;
+            let angular_b = b.inverse_inertia * row.jacobian.angular_b;
+            row.response = Response { linear_a, angular_a, linear_b, angular_b };
+        }
+        for row in others {
+            row.response = response(&row.jacobian, a, b, row.scale);
+        }
+    }
+
+    /// J M⁻¹Jᵀ of rows `i` and `j`.
+    pub fn inner(&self, i: usize, j: usize, rows: &[Row]) -> f32 {
+        let rows = &rows[self.range()];
+        let (row, other) = (&rows[i], &rows[j]);
+        if i.max(j) >= self.axes as usize {
+            return inner(&row.jacobian, &other.response);
+        }
+        let (j, r) = (&row.jacobian, &other.response);
+        let linear = if std::ptr::eq(row, other) { r.linear_a[i] - r.linear_b[i] } else { 0.0 };
+        linear + j.angular_a.dot(r.angular_a) + j.angular_b.dot(r.angular_b)
+    }
+
+    /// The part of J M⁻¹J'ᵀ of its row `i` and row `j` of another block that runs through one body: the A or B of each.
+    #[inline]
+    pub fn inner_at(&self, i: usize, is_a: bool, other: &Self, j: usize, other_is_a: bool, rows: &[Row]) -> f32 {
+        let (row, col) = (&rows[self.first as usize + i], &rows[other.first as usize + j]);
+        if i >= self.axes as usize || j >= other.axes as usize {
+            return inner_at(row, is_a, col, other_is_a);
+        }
+        let angular = if is_a { row.jacobian.angular_a } else { row.jacobian.angular_b };
+        let r = &col.response;
+        let (v, w) = if other_is_a { (r.linear_a, r.angular_a) } else { (r.linear_b, r.angular_b) };
+        let linear = match (i == j, is_a) {
+            (false, _) => 0.0,
+            (true, true) => v[i],
+            (true, false) => -v[i],
+        };
+        linear + angular.dot(w)
+    }
+
+    /// J u + bias.
+    pub fn velocities(&self, rows: &[Row], bodies: &[SolverBody]) -> [f32; MAX_BLOCK] {
+        let [a, b] = self.ends(rows, bodies);
+        let (points, others) = rows[self.range()].split_at(self.axes as usize);
+        let mut w = [0.0_f32; MAX_BLOCK];
+        let relative = a.velocity - b.velocity;
+        for (i, row) in points.iter().enumerate() {
+            let j = &row.jacobian;
+            let turning = relative[i] + j.angular_a.dot(a.angular_velocity) + j.angular_b.dot(b.angular_velocity);
+            w[i] = turning + row.bias;
+        }
+        for (w, row) in w[points.len()..].iter_mut().zip(others) {
+            *w = row.velocity(bodies) + row.bias;
+        }
+        w
+    }
+
+    /// u += M⁻¹Jᵀ Δλ.
+    pub fn push(&self, change: &[f32; MAX_BLOCK], rows: &[Row], bodies: &mut [SolverBody]) {
+        let (points, others) = rows[self.range()].split_at(self.axes as usize);
+        if let [x, ..] = points {
+            let impulse = Vec3::new(change[0], change[1], change[2]);
+            let a = &mut bodies[x.body_a as usize];
+            a.velocity += a.inverse_mass * impulse;
+            for (row, &change) in points.iter().zip(change) {
+                a.angular_velocity += row.response.angular_a * change;
+            }
+            let b = &mut bodies[x.body_b as usize];
+            b.velocity -= b.inverse_mass * impulse;
+            for (row, &change) in points.iter().zip(change) {
+                b.angular_velocity += row.response.angular_b * change;
+            }
+        }
+        for (row, &change) in others.iter().zip(&change[points.len()..]) {
+            row.apply(bodies, change);
+        }
+    }
+
+    /// u += M⁻¹Jᵀλ.
+    pub fn push_all(&self, rows: &[Row], bodies: &mut [SolverBody]) {
+        let mut lambda = [0.0; MAX_BLOCK];
+        for (lambda, row) in lambda.iter_mut().zip(&rows[self.range()]) {
+            *lambda = row.lambda;
+        }
+        self.push(&lambda, rows, bodies);
+    }
+
+    /// Adds x to λ and pushes.
+    pub fn add(&self, x: &[f32; MAX_BLOCK], rows: &mut [Row], bodies: &mut [SolverBody]) {
+        for (row, x) in rows[self.range()].iter_mut().zip(x) {
+            row.lambda += x;
+        }
+        self.push(x, rows, bodies);
+    }
+
+    /// Rows, and those of them that are a point's, for the account of work.
+    pub fn size(&self) -> work::Size {
+        work::Size { rows: self.count.into(), axes: self.axes.into() }
+    }
+
     /// K = L D Lᵀ for the responses as they are.
     pub fn factor(&mut self, rows: &[Row]) {
-        let rows = &rows[self.first as usize..][..self.count as usize];
         let mut pivots = [0.0_f32; MAX_BLOCK];
-        for i in 0..rows.len() {
+        for i in 0..self.count as usize {
             for j in 0..=i {
-                let mut sum = inner(&rows[i].jacobian, &rows[j].response);
+                let mut sum = self.inner(i, j, rows);
                 let diagonal = sum;
                 for (k, pivot) in pivots.iter().enumerate().take(j) {
                     sum -= self.lower[i][k] * pivot * self.lower[j][k];
@@ -113,16 +239,9 @@ impl Block {
 
     /// Δλ = −K⁻¹ (J u + bias), u += M⁻¹Jᵀ Δλ.
     pub fn solve(&self, rows: &mut [Row], bodies: &mut [SolverBody]) {
-        let rows = &mut rows[self.first as usize..][..self.count as usize];
-        let mut x = [0.0_f32; MAX_BLOCK];
-        for (x, row) in x.iter_mut().zip(rows.iter()) {
-            *x = row.velocity(bodies) + row.bias;
-        }
+        let mut x = self.velocities(rows, bodies);
         self.substitute(&mut x);
-        for (row, x) in rows.iter_mut().zip(x) {
-            row.lambda -= x;
-            row.apply(bodies, -x);
-        }
+        self.add(&x.map(|x| -x), rows, bodies);
     }
 }
 
@@ -149,10 +268,8 @@ mod tests {
     fn solve_once(rows: &mut [Row], bodies: &mut [SolverBody]) {
         let mut blocks = Vec::new();
         gather(0, rows, &mut blocks);
-        for row in rows.iter_mut() {
-            row.refresh_mass(bodies);
-        }
         assert_eq!(blocks.len(), 1);
+        blocks[0].weigh(rows, bodies);
         blocks[0].factor(rows);
         blocks[0].solve(rows, bodies);
     }

@@ -29,6 +29,8 @@ pub struct Pattern {
     cost: u64,
     /// Rows of each node.
     sizes: Vec<u8>,
+    /// Rows of blocks that are looked at.
+    width: usize,
     neighbors: Vec<Vec<u32>>,
 }
 
@@ -104,10 +106,11 @@ impl Pattern {
         }
     }
 
-    /// Says how many rows each node has; the others of its block stay empty. For the account of work alone.
+    /// Says how many rows each node has; the others of its block stay empty. Comes before all else.
     pub fn set_sizes(&mut self, sizes: impl Iterator<Item = usize>) {
         self.sizes.clear();
         self.sizes.extend(sizes.map(|s| s as u8));
+        self.width = if self.sizes.iter().any(|&size| size > 3) { MAX_SIZE } else { 3 };
     }
 
     fn size(&self, place: usize) -> u64 {
@@ -185,12 +188,28 @@ pub struct BlockLdl {
     diagonal: Vec<Block>,
     /// 1/D of each place; 0 for rows left out.
     inverse_pivots: Vec<[f32; MAX_SIZE]>,
+    /// Of each place: what pivots must exceed.
+    least_pivots: Vec<[f32; MAX_SIZE]>,
     /// Blocks below the diagonal, by column: A, then L.
     below: Vec<Block>,
     /// What a block was before it was divided by its pivots.
     undivided: Vec<Block>,
-    /// 1/√ of the diagonal, by place.
-    scale: Vec<[f32; MAX_SIZE]>,
+}
+
+/// In a browser a program must first get there: one kernel for all sizes takes half of the room.
+const ONE_FOR_ALL: bool = cfg!(target_arch = "wasm32");
+
+/// Points, and levels of a stack, have three rows: an eighth of what six take.
+macro_rules! by_width {
+    ($pattern:expr, $n:ident => $call:expr) => {
+        if $pattern.width > 3 || ONE_FOR_ALL {
+            const $n: usize = MAX_SIZE;
+            $call
+        } else {
+            const $n: usize = 3;
+            $call
+        }
+    };
 }
 
 impl BlockLdl {
@@ -210,101 +229,93 @@ impl BlockLdl {
             std::cmp::Ordering::Greater => (&mut self.below[pattern.find(pb as usize, pa)], false),
             std::cmp::Ordering::Less => (&mut self.below[pattern.find(pa as usize, pb)], true),
         };
-        for (i, row) in target.iter_mut().enumerate() {
-            for (j, value) in row.iter_mut().enumerate() {
+        let n = pattern.width;
+        for (i, row) in target[..n].iter_mut().enumerate() {
+            for (j, value) in row[..n].iter_mut().enumerate() {
                 *value += if transposed { block[j][i] } else { block[i][j] };
             }
         }
     }
 
-    /// Scales to a diagonal of one, adds `epsilon` to it and factors.
+    /// Adds `epsilon` times itself to the diagonal and factors.
     pub fn factor(&mut self, pattern: &Pattern, epsilon: f32) {
-        self.scale_to_one(pattern, epsilon);
+        self.raise_diagonal(pattern, epsilon);
         self.inverse_pivots.clear();
         self.inverse_pivots.resize(pattern.nodes(), [0.0; MAX_SIZE]);
+        by_width!(pattern, N => self.eliminate::<N>(pattern));
+    }
+
+    fn raise_diagonal(&mut self, pattern: &Pattern, epsilon: f32) {
+        self.least_pivots.clear();
+        for block in &mut self.diagonal {
+            let mut least = [0.0; MAX_SIZE];
+            for (i, least) in least[..pattern.width].iter_mut().enumerate() {
+                *least = TINY_PIVOT * block[i][i];
+                block[i][i] += epsilon * block[i][i];
+            }
+            self.least_pivots.push(least);
+        }
+    }
+
+    fn eliminate<const N: usize>(&mut self, pattern: &Pattern) {
         for k in 0..pattern.nodes() {
-            self.inverse_pivots[k] = factor_diagonal(&mut self.diagonal[k]);
+            self.inverse_pivots[k] = factor_diagonal::<N>(&mut self.diagonal[k], &self.least_pivots[k]);
             let range = pattern.column(k);
             self.undivided.clear();
             for block in &mut self.below[range.clone()] {
-                let undivided = solve_rows(block, &self.diagonal[k], &self.inverse_pivots[k]);
+                let undivided = solve_rows::<N>(block, &self.diagonal[k], &self.inverse_pivots[k]);
                 self.undivided.push(undivided);
             }
             for j in range.clone() {
                 let column = pattern.rows[j] as usize;
                 let factor = self.below[j];
-                subtract_product(&mut self.diagonal[column], &self.undivided[j - range.start], &factor);
+                subtract_product::<N>(&mut self.diagonal[column], &self.undivided[j - range.start], &factor);
                 let mut at = pattern.column(column).start;
                 for i in j + 1..range.end {
                     while pattern.rows[at] != pattern.rows[i] {
                         at += 1;
                     }
-                    subtract_product(&mut self.below[at], &self.undivided[i - range.start], &factor);
+                    subtract_product::<N>(&mut self.below[at], &self.undivided[i - range.start], &factor);
                 }
-            }
-        }
-    }
-
-    fn scale_to_one(&mut self, pattern: &Pattern, epsilon: f32) {
-        self.scale.clear();
-        self.scale.extend(
-            self.diagonal
-                .iter()
-                .map(|block| std::array::from_fn(|i| if block[i][i] > 0.0 { 1.0 / block[i][i].sqrt() } else { 0.0 })),
-        );
-        for k in 0..pattern.nodes() {
-            let column = self.scale[k];
-            scale_block(&mut self.diagonal[k], &column, &column);
-            for (i, row) in self.diagonal[k].iter_mut().enumerate() {
-                // A mode without mass stands alone and gets nothing.
-                row[i] = if row[i] > 0.0 { 1.0 + epsilon } else { 0.0 };
-            }
-            for at in pattern.column(k) {
-                scale_block(&mut self.below[at], &self.scale[pattern.rows[at] as usize], &column);
             }
         }
     }
 
     /// x = A⁻¹ x; `x` by node.
     pub fn solve(&self, pattern: &Pattern, x: &mut [[f32; MAX_SIZE]]) {
-        for k in 0..pattern.nodes() {
-            let node = pattern.order[k] as usize;
-            for (value, scale) in x[node].iter_mut().zip(self.scale[k]) {
-                *value *= scale;
-            }
-        }
+        by_width!(pattern, N => self.substitute::<N>(pattern, x));
+    }
+
+    #[inline(never)]
+    fn substitute<const N: usize>(&self, pattern: &Pattern, x: &mut [[f32; MAX_SIZE]]) {
         for k in 0..pattern.nodes() {
             let node = pattern.order[k] as usize;
             let mut own = x[node];
-            forward(&self.diagonal[k], &mut own);
+            forward::<N>(&self.diagonal[k], &mut own);
             x[node] = own;
             for at in pattern.column(k) {
                 let later = &mut x[pattern.order[pattern.rows[at] as usize] as usize];
-                for (value, row) in later.iter_mut().zip(&self.below[at]) {
-                    *value -= dot(row, &own);
+                for i in 0..N {
+                    later[i] -= dot::<N>(&self.below[at][i], &own);
                 }
             }
         }
         for k in (0..pattern.nodes()).rev() {
             let node = pattern.order[k] as usize;
             let mut own = x[node];
-            for (value, inverse) in own.iter_mut().zip(self.inverse_pivots[k]) {
-                *value *= inverse;
+            for i in 0..N {
+                own[i] *= self.inverse_pivots[k][i];
             }
             for at in pattern.column(k) {
                 let later = &x[pattern.order[pattern.rows[at] as usize] as usize];
-                for (j, value) in own.iter_mut().enumerate() {
-                    *value -= self.below[at].iter().zip(later).map(|(row, l)| row[j] * l).sum::<f32>();
+                for i in 0..N {
+                    for j in 0..N {
+                        own[j] -= self.below[at][i][j] * later[i];
+                    }
                 }
             }
-            backward(&self.diagonal[k], &self.inverse_pivots[k], &mut own);
+            backward::<N>(&self.diagonal[k], &self.inverse_pivots[k], &mut own);
             x[node] = own;
-        }
-        for k in 0..pattern.nodes() {
-            let node = pattern.order[k] as usize;
-            for (value, scale) in x[node].iter_mut().zip(self.scale[k]) {
-                *value *= scale;
-            }
         }
     }
 }
@@ -313,31 +324,22 @@ impl BlockLdl {
 // far away costs a quarter of a factor.
 
 #[inline(always)]
-fn dot(a: &[f32; MAX_SIZE], b: &[f32; MAX_SIZE]) -> f32 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-#[inline(never)]
-fn scale_block(block: &mut Block, rows: &[f32; MAX_SIZE], columns: &[f32; MAX_SIZE]) {
-    for (row, r) in block.iter_mut().zip(rows) {
-        for (value, c) in row.iter_mut().zip(columns) {
-            *value *= r * c;
-        }
-    }
+fn dot<const N: usize>(a: &[f32; MAX_SIZE], b: &[f32; MAX_SIZE]) -> f32 {
+    a[..N].iter().zip(&b[..N]).map(|(x, y)| x * y).sum()
 }
 
 /// A = L D Lᵀ in place (unit lower triangle below the diagonal); gives 1/D.
 #[inline(never)]
-fn factor_diagonal(block: &mut Block) -> [f32; MAX_SIZE] {
+fn factor_diagonal<const N: usize>(block: &mut Block, least: &[f32; MAX_SIZE]) -> [f32; MAX_SIZE] {
     let (mut pivots, mut inverse) = ([0.0_f32; MAX_SIZE], [0.0_f32; MAX_SIZE]);
-    for i in 0..MAX_SIZE {
+    for i in 0..N {
         for j in 0..=i {
             let mut sum = block[i][j];
             for (k, pivot) in pivots.iter().enumerate().take(j) {
                 sum -= block[i][k] * pivot * block[j][k];
             }
             if i == j {
-                let usable = sum > TINY_PIVOT;
+                let usable = sum > least[i];
                 pivots[i] = if usable { sum } else { 0.0 };
                 inverse[i] = if usable { 1.0 / sum } else { 0.0 };
             } else {
@@ -350,12 +352,12 @@ fn factor_diagonal(block: &mut Block) -> [f32; MAX_SIZE] {
 
 /// B ← B L⁻ᵀ D⁻¹ for the factors of the diagonal; gives B L⁻ᵀ.
 #[inline(never)]
-fn solve_rows(block: &mut Block, lower: &Block, inverse_pivots: &[f32; MAX_SIZE]) -> Block {
+fn solve_rows<const N: usize>(block: &mut Block, lower: &Block, inverse_pivots: &[f32; MAX_SIZE]) -> Block {
     let mut undivided = *block;
-    for (row, result) in undivided.iter_mut().zip(block.iter_mut()) {
-        forward(lower, row);
-        for ((r, value), inverse) in result.iter_mut().zip(row.iter_mut()).zip(inverse_pivots) {
-            *r = *value * inverse;
+    for i in 0..N {
+        forward::<N>(lower, &mut undivided[i]);
+        for j in 0..N {
+            block[i][j] = undivided[i][j] * inverse_pivots[j];
         }
     }
     undivided
@@ -363,28 +365,28 @@ fn solve_rows(block: &mut Block, lower: &Block, inverse_pivots: &[f32; MAX_SIZE]
 
 /// C −= A Bᵀ.
 #[inline(never)]
-fn subtract_product(c: &mut Block, a: &Block, b: &Block) {
-    for (row, a) in c.iter_mut().zip(a) {
-        for (value, b) in row.iter_mut().zip(b) {
-            *value -= dot(a, b);
+fn subtract_product<const N: usize>(c: &mut Block, a: &Block, b: &Block) {
+    for i in 0..N {
+        for j in 0..N {
+            c[i][j] -= dot::<N>(&a[i], &b[j]);
         }
     }
 }
 
 /// x ← L⁻¹ x.
 #[inline(always)]
-fn forward(lower: &Block, x: &mut [f32; MAX_SIZE]) {
-    for i in 1..MAX_SIZE {
+fn forward<const N: usize>(lower: &Block, x: &mut [f32; MAX_SIZE]) {
+    for i in 1..N {
         let sum: f32 = (0..i).map(|k| lower[i][k] * x[k]).sum();
         x[i] -= sum;
     }
 }
 
-/// x ← L⁻ᵀ x; rows left out stay 0.
+/// x ← L⁻ᵀ x; rows that are left out get nothing.
 #[inline(always)]
-fn backward(lower: &Block, inverse_pivots: &[f32; MAX_SIZE], x: &mut [f32; MAX_SIZE]) {
-    for i in (0..MAX_SIZE).rev() {
-        let sum: f32 = (i + 1..MAX_SIZE).map(|k| lower[k][i] * x[k]).sum();
+fn backward<const N: usize>(lower: &Block, inverse_pivots: &[f32; MAX_SIZE], x: &mut [f32; MAX_SIZE]) {
+    for i in (0..N).rev() {
+        let sum: f32 = (i + 1..N).map(|k| lower[k][i] * x[k]).sum();
         x[i] = if inverse_pivots[i] == 0.0 { 0.0 } else { x[i] - sum };
     }
 }
@@ -398,10 +400,11 @@ mod tests {
         r.below(2001) as f32 / 1000.0 - 1.0
     }
 
-    /// A = Σ over links of JᵀJ-like blocks, positive definite by construction.
-    fn check(nodes: usize, links: &[(u32, u32)]) {
+    /// A = Σ over links of JᵀJ-like blocks of `size` rows, positive definite by construction.
+    fn check(size: usize, nodes: usize, links: &[(u32, u32)]) {
         let mut r = Random(7);
         let mut pattern = Pattern::default();
+        pattern.set_sizes((0..nodes).map(|_| size));
         assert!(pattern.analyze(nodes, links.iter().copied(), u64::MAX));
         let mut ldl = BlockLdl::default();
         ldl.clear(&pattern);
@@ -418,10 +421,14 @@ mod tests {
                 }
             }
         };
-        let product =
-            |x: &Block, y: &Block| -> Block { std::array::from_fn(|i| std::array::from_fn(|j| dot(&x[i], &y[j]))) };
+        let product = |x: &Block, y: &Block| -> Block {
+            std::array::from_fn(|i| std::array::from_fn(|j| dot::<MAX_SIZE>(&x[i], &y[j])))
+        };
         for &(a, b) in links {
-            let mut block = || -> Block { std::array::from_fn(|_| std::array::from_fn(|_| random(&mut r))) };
+            let mut block = || -> Block {
+                let within = |i: usize, value: f32| if i < size { value } else { 0.0 };
+                std::array::from_fn(|i| std::array::from_fn(|j| within(i.max(j), random(&mut r))))
+            };
             let (x, y) = (block(), block());
             put(&mut ldl, a, a, &product(&x, &x));
             put(&mut ldl, b, b, &product(&y, &y));
@@ -431,7 +438,8 @@ mod tests {
         for k in 0..nodes as u32 {
             put(&mut ldl, k, k, &one);
         }
-        let wanted: Vec<[f32; MAX_SIZE]> = (0..nodes).map(|_| std::array::from_fn(|_| random(&mut r))).collect();
+        let mut one = |i: usize| if i < size { random(&mut r) } else { 0.0 };
+        let wanted: Vec<[f32; MAX_SIZE]> = (0..nodes).map(|_| std::array::from_fn(&mut one)).collect();
         let mut x: Vec<[f32; MAX_SIZE]> = (0..nodes)
             .map(|node| {
                 std::array::from_fn(|i| {
@@ -449,8 +457,10 @@ mod tests {
 
     #[test]
     fn a_chain_a_tree_and_a_grid_are_solved() {
-        check(12, &(0..11).map(|i| (i, i + 1)).collect::<Vec<_>>());
-        check(15, &(1..15).map(|i| ((i - 1) / 2, i)).collect::<Vec<_>>());
+        for size in [1, 2, 3, 5, 6] {
+            check(size, 12, &(0..11).map(|i| (i, i + 1)).collect::<Vec<_>>());
+            check(size, 15, &(1..15).map(|i| ((i - 1) / 2, i)).collect::<Vec<_>>());
+        }
         let grid = |x: u32, y: u32| x + 5 * y;
         let mut links = Vec::new();
         for y in 0..5 {
@@ -459,7 +469,8 @@ mod tests {
                 links.push((grid(y, x), grid(y, x + 1)));
             }
         }
-        check(25, &links);
+        check(3, 25, &links);
+        check(6, 25, &links);
     }
 
     #[test]
@@ -475,6 +486,7 @@ mod tests {
     #[test]
     fn a_mode_without_mass_gets_nothing() {
         let mut pattern = Pattern::default();
+        pattern.set_sizes([MAX_SIZE].into_iter());
         assert!(pattern.analyze(1, std::iter::empty(), u64::MAX));
         let mut ldl = BlockLdl::default();
         ldl.clear(&pattern);

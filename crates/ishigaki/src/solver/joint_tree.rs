@@ -18,7 +18,6 @@ use crate::solver::block::Block;
 use crate::solver::block_ldl::{BlockLdl, MAX_SIZE, Pattern};
 use crate::solver::height;
 use crate::solver::table::{Row, SolverBody, inner, inner_at};
-use crate::solver::work;
 use crate::union_find::{root, unite};
 
 /// Part of the inertia up to which a stiffness is left to the substep: symplectic Euler is stable below 4.
@@ -181,45 +180,44 @@ impl JointTree {
 
     /// Multiply-adds of a visit.
     pub fn visit_work(&self, blocks: &[Block]) -> u64 {
-        let rows: u64 = self.blocks.iter().map(|&b| u64::from(blocks[b as usize].count)).sum();
-        rows * (work::VELOCITY + work::APPLY + 2) + self.pattern.solve_work()
+        let rows = self.blocks.iter().map(|&b| blocks[b as usize].size().visit());
+        rows.sum::<u64>() + self.pattern.solve_work()
     }
 
     /// Multiply-adds of K and its factors.
     pub fn assembly_work(&self, blocks: &[Block]) -> u64 {
-        let size = |node: u32| u64::from(blocks[self.blocks[node as usize] as usize].count);
+        let size = |node: u32| self.block(node, blocks).size();
         let mut sum = self.pattern.factor_work();
         for same in self.users.chunk_by(|a, b| a.0 == b.0) {
             for (i, one) in same.iter().enumerate() {
-                sum += same[..i].iter().map(|other| 6 * size(one.1) * size(other.1)).sum::<u64>();
+                sum += same[..i].iter().map(|other| size(one.1).inner_at(size(other.1))).sum::<u64>();
             }
         }
-        let diagonal = |node: u32| size(node) * (size(node) + 1) / 2 * work::INNER;
-        sum + (0..self.blocks.len() as u32).map(diagonal).sum::<u64>()
+        sum + self.blocks.iter().map(|&b| blocks[b as usize].size().inner()).sum::<u64>()
     }
 
     /// K for the responses as they are, and its factors.
     pub fn factor(&mut self, rows: &[Row], blocks: &[Block]) {
         self.ldl.clear(&self.pattern);
-        for node in 0..self.blocks.len() as u32 {
-            let rows = self.rows(node, rows, blocks);
+        for (node, &index) in self.blocks.iter().enumerate() {
+            let of_joint = &blocks[index as usize];
             let mut block = [[0.0; MAX_SIZE]; MAX_SIZE];
-            for (i, row) in rows.iter().enumerate() {
-                for (j, other) in rows[..=i].iter().enumerate() {
-                    block[i][j] = inner(&row.jacobian, &other.response);
+            for i in 0..of_joint.count as usize {
+                for j in 0..=i {
+                    block[i][j] = of_joint.inner(i, j, rows);
                     block[j][i] = block[i][j];
                 }
             }
-            self.ldl.add(&self.pattern, node, node, &block);
+            self.ldl.add(&self.pattern, node as u32, node as u32, &block);
         }
         for same in self.users.chunk_by(|a, b| a.0 == b.0) {
-            for (i, &(_, one, one_is_a)) in same.iter().enumerate() {
-                for &(_, other, other_is_a) in &same[..i] {
-                    let (rows_i, rows_j) = (self.rows(one, rows, blocks), self.rows(other, rows, blocks));
+            for (k, &(_, one, one_is_a)) in same.iter().enumerate() {
+                for &(_, other, other_is_a) in &same[..k] {
+                    let (of_one, of_other) = (self.block(one, blocks), self.block(other, blocks));
                     let mut block = [[0.0; MAX_SIZE]; MAX_SIZE];
-                    for (line, row) in block.iter_mut().zip(rows_i) {
-                        for (value, col) in line.iter_mut().zip(rows_j) {
-                            *value = inner_at(row, one_is_a, col, other_is_a);
+                    for (i, line) in block[..of_one.count as usize].iter_mut().enumerate() {
+                        for (j, value) in line[..of_other.count as usize].iter_mut().enumerate() {
+                            *value = of_one.inner_at(i, one_is_a, of_other, j, other_is_a, rows);
                         }
                     }
                     self.ldl.add(&self.pattern, one, other, &block);
@@ -249,8 +247,12 @@ impl JointTree {
         inner(&row.jacobian, &row.response) - taken
     }
 
+    fn block<'a>(&self, node: u32, blocks: &'a [Block]) -> &'a Block {
+        &blocks[self.blocks[node as usize] as usize]
+    }
+
     fn rows<'a>(&self, node: u32, rows: &'a [Row], blocks: &[Block]) -> &'a [Row] {
-        let block = &blocks[self.blocks[node as usize] as usize];
+        let block = self.block(node, blocks);
         &rows[block.first as usize..][..block.count as usize]
     }
 
@@ -258,12 +260,7 @@ impl JointTree {
     pub fn solve(&mut self, rows: &mut [Row], blocks: &[Block], bodies: &mut [SolverBody]) {
         let mut x = std::mem::take(&mut self.x);
         x.clear();
-        x.resize(self.blocks.len(), [0.0; MAX_SIZE]);
-        for (node, x) in x.iter_mut().enumerate() {
-            for (x, row) in x.iter_mut().zip(self.rows(node as u32, rows, blocks)) {
-                *x = row.velocity(bodies) + row.bias;
-            }
-        }
+        x.extend(self.blocks.iter().map(|&block| blocks[block as usize].velocities(rows, bodies)));
         self.ldl.solve(&self.pattern, &mut x);
         if !x.iter().flatten().all(|x| x.is_finite()) {
             // Numbers beyond f32: there is no solution to take a step to.
@@ -271,11 +268,7 @@ impl JointTree {
             return;
         }
         for (x, &block) in x.iter().zip(&self.blocks) {
-            let block = &blocks[block as usize];
-            for (row, x) in rows[block.first as usize..][..block.count as usize].iter_mut().zip(x) {
-                row.lambda -= x;
-                row.apply(bodies, -x);
-            }
+            blocks[block as usize].add(&x.map(|x| -x), rows, bodies);
         }
         self.x = x;
     }

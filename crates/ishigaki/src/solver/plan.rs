@@ -68,8 +68,14 @@ pub struct Plan {
     pub calm: Vec<bool>,
     /// Multiply-adds of a sweep over all units.
     pub sweep_work: u64,
-    /// Multiply-adds of masses and factors of joints.
-    pub joint_work: u64,
+    /// Multiply-adds of M⁻¹Jᵀ of joints.
+    pub joint_row_work: u64,
+    /// Multiply-adds of factors of joints alone.
+    pub block_work: u64,
+    /// Multiply-adds of factors of trees.
+    pub tree_work: u64,
+    /// Multiply-adds of a warm start.
+    pub push_work: u64,
     /// Multiply-adds of a sweep over what joint recovery visits.
     pub recovery_work: u64,
     /// Impulses of joints while these recover.
@@ -372,17 +378,19 @@ fn count_work(plan: &mut Plan, options: &SolverOptions) {
     plan.sweep_work = plan.units.iter().map(|&unit| unit_work(plan, unit, passes)).sum();
     let recovered = plan.units.iter().filter(|&&unit| is_recovered(unit, plan));
     plan.recovery_work = recovered.map(|&unit| unit_work(plan, unit, passes)).sum();
-    let rows = plan.joints.iter().map(|j| u64::from(j.count)).sum::<u64>() * (work::RESPONSE + work::INNER);
-    let alone = plan.units.iter().filter_map(|u| match *u {
-        Unit::Row(row) => match plan.rows[row as usize].coupling {
-            Coupling::Block(block) => Some(&plan.blocks[block as usize]),
-            _ => None,
-        },
-        _ => None,
-    });
-    let blocks: u64 = alone.map(|b| work::block_factor(u64::from(b.count))).sum();
-    let trees: u64 = plan.forest.trees.iter().filter(|t| !t.is_idle).map(|t| t.assembly_work(&plan.blocks)).sum();
-    plan.joint_work = rows + blocks + trees;
+    let (mut rows, mut in_blocks) = (0, 0);
+    (plan.push_work, plan.block_work) = (0, 0);
+    for block in &plan.blocks {
+        let size = block.size();
+        (rows, in_blocks) = (rows + size.responses(), in_blocks + size.rows);
+        plan.push_work += size.push();
+        plan.block_work += if block.in_tree { 0 } else { size.factor() };
+    }
+    let alone = |all: usize| all as u64 - in_blocks;
+    plan.push_work += alone(plan.rows.len()) * work::APPLY;
+    plan.joint_row_work = rows + alone(plan.joint_rows()) * (work::RESPONSE + work::INNER);
+    let trees = plan.forest.trees.iter().filter(|t| !t.is_idle).map(|t| t.assembly_work(&plan.blocks));
+    plan.tree_work = trees.sum();
 }
 
 /// Multiply-adds of a visit.
@@ -404,11 +412,11 @@ fn row_work(plan: &Plan, row: u32) -> u64 {
             work::VISIT
                 + match plan.forest.trees.get(block.tree as usize) {
                     Some(tree) if block.in_tree => tree.visit_work(&plan.blocks),
-                    _ => work::block(u64::from(block.count)),
+                    _ => block.size().visit_alone(),
                 }
         }
         Coupling::Disk(_) => work::DISK,
-        Coupling::Block(block) => work::block(u64::from(plan.blocks[block as usize].count)),
+        Coupling::Block(block) => plan.blocks[block as usize].size().visit_alone(),
         Coupling::Partner => 0,
     }
 }

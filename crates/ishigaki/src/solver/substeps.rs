@@ -12,6 +12,7 @@ use crate::collision::link::Link;
 use crate::collision::manifold::Contact;
 use crate::constraint::contact;
 use crate::constraint::frame::BodyFrame;
+use crate::constraint::friction::Coupling;
 use crate::constraint::joint_rows::reaction;
 use crate::constraint::row::RowSpec;
 use crate::math::{Quat, Vec3};
@@ -79,7 +80,7 @@ impl World {
         }
         self.apply_forces(plan, h, substep == 0);
         joint_tree::stiffen(&plan.rows, &plan.blocks, h, &mut plan.bodies);
-        self.report.work += refresh_masses(plan, substep == 0) + work::APPLY * plan.rows.len() as u64;
+        self.report.work += refresh_masses(plan, substep == 0) + plan.push_work;
         let gaps = self.refresh_contact_biases(plan, h);
         if gaps.any_bounce && self.options.solver.restitution.enabled {
             self.resolve_impacts(plan, h);
@@ -101,7 +102,7 @@ impl World {
     /// from before that: it moved no farther than its errors.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
-        self.for_joint_rows(plan, h, |row, spec, _| {
+        self.for_joint_rows(plan, h, |row, spec| {
             if row.by_pose && spec.softness == 0.0 {
                 row.bias = row.relax_bias + 2.0 * row.arc;
                 return;
@@ -130,15 +131,15 @@ impl World {
     /// about the whole substep, and see the inertia as it is now.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
-        self.for_joint_rows(plan, h, |row, spec, bodies| {
+        self.for_joint_rows(plan, h, |row, spec| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
                 let recovery = if row.by_pose { spec.bias - spec.arc } else { spec.relax_bias };
                 row.arc = if row.by_pose { spec.arc } else { 0.0 };
                 (row.bias, row.relax_bias) = (recovery, spec.relax_bias - row.arc);
             }
-            row.refresh_mass(bodies);
         });
+        weigh_joint_rows(plan);
     }
 
     /// Poses and velocities of jointed bodies: each is asked for by several joints.
@@ -152,7 +153,7 @@ impl World {
     }
 
     /// Calls `edit` for each joint row with what its joint asks for at the poses as they are.
-    fn for_joint_rows(&mut self, plan: &mut Plan, h: f32, mut edit: impl FnMut(&mut Row, &RowSpec, &[SolverBody])) {
+    fn for_joint_rows(&mut self, plan: &mut Plan, h: f32, mut edit: impl FnMut(&mut Row, &RowSpec)) {
         let step = self.joint_step(h);
         for rows in &plan.joints {
             let joint = self.joints.at_mut(rows.joint);
@@ -165,7 +166,7 @@ impl World {
             joint.resolved.rows(&joint.definition.kind, &a, &b, &step, &mut plan.specs);
             let (first, last) = (rows.first as usize, (rows.first + rows.count) as usize);
             for (row, spec) in plan.rows[first..last].iter_mut().zip(&plan.specs) {
-                edit(row, spec, &plan.bodies);
+                edit(row, spec);
             }
         }
     }
@@ -292,7 +293,7 @@ impl World {
                 row.lambda *= factor;
             }
         } else {
-            warm_start::warm_start(factor, &mut plan.rows, &mut plan.bodies);
+            warm_start::warm_start(factor, &mut plan.rows, &plan.blocks, &mut plan.bodies);
         }
     }
 
@@ -371,7 +372,7 @@ impl World {
         let first: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
         let scales: Vec<MassScale> = plan.rows.iter().map(|r| r.scale).collect();
 
-        apply_all(plan);
+        warm_start::apply_all(&plan.rows, &plan.blocks, &mut plan.bodies);
         self.sweeps(plan, 0.0);
         let plain: Vec<f32> = plan.rows.iter().map(|r| r.lambda).collect();
         let plain_bodies = std::mem::replace(&mut plan.bodies, start);
@@ -381,7 +382,7 @@ impl World {
         }
         scale_contacts(plan, shock_propagation::scale);
         refresh_masses(plan, true);
-        apply_all(plan);
+        warm_start::apply_all(&plan.rows, &plan.blocks, &mut plan.bodies);
         let order = plan.units.clone();
         for sweep in 0..plan.sweeps {
             permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
@@ -499,17 +500,26 @@ const FAR_TURN: f32 = 0.1;
 /// M⁻¹Jᵀ and effective masses of the rows of all bodies that turned, for the inertia as it is.
 /// Multiply-adds of that.
 fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
-    let joint_rows = plan.joint_rows();
-    for row in &mut plan.rows[..joint_rows] {
-        row.refresh_mass(&plan.bodies);
-    }
+    weigh_joint_rows(plan);
     for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
         block.factor(&plan.rows);
     }
     for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         tree.factor(&plan.rows, &plan.blocks);
     }
-    plan.joint_work + refresh_contact_masses(plan, all)
+    plan.joint_row_work + plan.block_work + plan.tree_work + refresh_contact_masses(plan, all)
+}
+
+/// M⁻¹Jᵀ of the rows of joints, and effective masses of those alone.
+fn weigh_joint_rows(plan: &mut Plan) {
+    let joint_rows = plan.joint_rows();
+    for block in &plan.blocks {
+        block.weigh(&mut plan.rows, &plan.bodies);
+    }
+    let is_alone = |row: &&mut Row| !matches!(row.coupling, Coupling::Block(_) | Coupling::Partner);
+    for row in plan.rows[..joint_rows].iter_mut().filter(is_alone) {
+        row.refresh_mass(&plan.bodies);
+    }
 }
 
 /// The same for contacts alone.
@@ -545,7 +555,7 @@ fn weigh(body: &mut SolverBody, state: &BodyState) {
 
 /// Factors of joints whose rows have turned; multiply-adds of rows and factors.
 fn factor_joints(plan: &mut Plan) -> u64 {
-    let mut work = plan.joint_rows() as u64 * (work::RESPONSE + work::INNER);
+    let mut work = plan.joint_row_work + plan.block_work;
     // With old factors a little motion would be left for ever, and heaps would not come to rest.
     for block in plan.blocks.iter_mut().filter(|block| !block.in_tree) {
         block.factor(&plan.rows);
@@ -559,12 +569,6 @@ fn factor_joints(plan: &mut Plan) -> u64 {
         }
     }
     work
-}
-
-fn apply_all(plan: &mut Plan) {
-    for row in &plan.rows {
-        row.apply(&mut plan.bodies, row.lambda);
-    }
 }
 
 fn spin_of(state: &BodyState) -> Spin {

@@ -74,14 +74,50 @@ pub fn budget(rows: usize) -> u64 {
 /// A friction disk: two rows together.
 pub const DISK: u64 = 2 * (VELOCITY + APPLY) + 14;
 
-/// A visit to a block of `count` equality rows.
-pub const fn block(count: u64) -> u64 {
-    count * (VELOCITY + APPLY + 2) + count * count
+/// Equality rows of a joint; of those along the world axes only rotations are multiplied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// All of them.
+    pub rows: u64,
+    /// Those along the world axes.
+    pub axes: u64,
 }
 
-/// The factors of a block of `count` equality rows.
-pub const fn block_factor(count: u64) -> u64 {
-    count * (count + 1) / 2 * INNER + count * count * count / 6
+impl Size {
+    /// J u + bias, Δλ and u, but for the solution between.
+    pub const fn visit(self) -> u64 {
+        self.rows * (VELOCITY + 2) - 3 * self.axes + self.push()
+    }
+
+    /// u += M⁻¹Jᵀ Δλ.
+    pub const fn push(self) -> u64 {
+        self.rows * APPLY - 4 * self.axes
+    }
+
+    /// M⁻¹Jᵀ.
+    pub const fn responses(self) -> u64 {
+        self.rows * RESPONSE - 6 * self.axes
+    }
+
+    /// J M⁻¹Jᵀ.
+    pub const fn inner(self) -> u64 {
+        self.rows * (self.rows + 1) / 2 * INNER - self.axes * (self.axes + 1) / 2 * 3
+    }
+
+    /// The part of it that runs through a body which another joint has, too.
+    pub const fn inner_at(self, other: Self) -> u64 {
+        6 * self.rows * other.rows - 3 * self.axes * other.axes
+    }
+
+    /// The factors of them alone.
+    pub const fn factor(self) -> u64 {
+        self.inner() + self.rows * self.rows * self.rows / 6
+    }
+
+    /// A visit to them alone.
+    pub const fn visit_alone(self) -> u64 {
+        self.visit() + self.rows * self.rows
+    }
 }
 
 /// A visit to the normals of a manifold of `count` points.

@@ -22,7 +22,7 @@ impl World {
         }
     }
 
-    /// Load, two tilts, two shears, twist.
+    /// Load, two shears, two tilts, twist; a single point has the first three.
     fn wrench_modes(&self, plan: &Plan, work: &mut LevelCorrection, member: &Member) {
         let m = &plan.manifolds[member.manifold as usize];
         let points = &self.contacts[m.contact as usize].manifolds[m.manifold as usize].points;
@@ -49,12 +49,12 @@ impl World {
                 let offset = (points[i].arm_b - centroid) / size;
                 (offset.dot(t1), offset.dot(t2))
             };
-            coefficients[normal + i] = [share, share * x, share * y, 0.0, 0.0, 0.0];
+            coefficients[normal + i] = [share, 0.0, 0.0, share * x, share * y, 0.0];
             if tangents && work.states[first + 2 * i] == State::Free {
                 let (own1, own2) = (&plan.rows[m.first as usize + 2 * i], &plan.rows[m.first as usize + 2 * i + 1]);
                 let grip = mu * share;
-                coefficients[first + 2 * i] = [carried * own1.lambda, 0.0, 0.0, grip, 0.0, -grip * y];
-                coefficients[first + 2 * i + 1] = [carried * own2.lambda, 0.0, 0.0, 0.0, grip, grip * x];
+                coefficients[first + 2 * i] = [carried * own1.lambda, grip, 0.0, 0.0, 0.0, -grip * y];
+                coefficients[first + 2 * i + 1] = [carried * own2.lambda, 0.0, grip, 0.0, 0.0, grip * x];
             }
         }
         work.coefficients = coefficients;
