@@ -6,6 +6,7 @@
 //! a coarser system. A pivot that vanishes against its own diagonal (two modes that say the same) is left out.
 //! The order depends on the graph alone: same input, same bits.
 //! Source: George & Liu, *Computer Solution of Large Sparse Positive Definite Systems* (1981), chapters 2 and 5.
+#![expect(clippy::needless_range_loop, reason = "kernels walk several arrays of rows in step")]
 
 /// Rows of a block at most.
 pub const MAX_SIZE: usize = 6;
@@ -229,12 +230,7 @@ impl BlockLdl {
             std::cmp::Ordering::Greater => (&mut self.below[pattern.find(pb as usize, pa)], false),
             std::cmp::Ordering::Less => (&mut self.below[pattern.find(pa as usize, pb)], true),
         };
-        let n = pattern.width;
-        for (i, row) in target[..n].iter_mut().enumerate() {
-            for (j, value) in row[..n].iter_mut().enumerate() {
-                *value += if transposed { block[j][i] } else { block[i][j] };
-            }
-        }
+        by_width!(pattern, N => add_block::<N>(target, block, transposed));
     }
 
     /// Adds `epsilon` times itself to the diagonal and factors.
@@ -322,6 +318,15 @@ impl BlockLdl {
 
 // Small and hot. Kernels of a block stand for themselves, and what they call is inlined into them: left to the compiler, an edit
 // far away costs a quarter of a factor.
+
+#[inline(always)]
+fn add_block<const N: usize>(sum: &mut Block, block: &Block, transposed: bool) {
+    for i in 0..N {
+        for j in 0..N {
+            sum[i][j] += if transposed { block[j][i] } else { block[i][j] };
+        }
+    }
+}
 
 #[inline(always)]
 fn dot<const N: usize>(a: &[f32; MAX_SIZE], b: &[f32; MAX_SIZE]) -> f32 {

@@ -202,10 +202,10 @@ impl JointTree {
         for (node, &index) in self.blocks.iter().enumerate() {
             let of_joint = &blocks[index as usize];
             let mut block = [[0.0; MAX_SIZE]; MAX_SIZE];
-            for i in 0..of_joint.count as usize {
-                for j in 0..=i {
-                    block[i][j] = of_joint.inner(i, j, rows);
-                    block[j][i] = block[i][j];
+            for (i, line) in block[..of_joint.count as usize].iter_mut().enumerate() {
+                // What is above the diagonal is not read.
+                for (j, value) in line[..=i].iter_mut().enumerate() {
+                    *value = of_joint.inner(i, j, rows);
                 }
             }
             self.ldl.add(&self.pattern, node as u32, node as u32, &block);

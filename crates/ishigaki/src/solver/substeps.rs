@@ -113,11 +113,11 @@ impl World {
         });
     }
 
-    /// Inertia after the motion of bodies that keep their rows for the next substep, and masses of their contacts.
-    /// Multiply-adds of that.
+    /// Inertia after the motion of bodies that turned far and keep their rows for the next substep, and masses of their
+    /// contacts. Multiply-adds of that.
     fn weigh_turned(&self, plan: &mut Plan) -> u64 {
         for (body, &slot) in plan.bodies[1..].iter_mut().zip(&plan.movers) {
-            body.turned = body.keeps_rows && self.bodies.at(slot).is_dynamic();
+            body.turned = body.keeps_rows && body.has_turned_far() && self.bodies.at(slot).is_dynamic();
             if body.turned {
                 weigh(body, self.bodies.at(slot));
             }
@@ -494,9 +494,6 @@ struct Gaps {
     any_bounce: bool,
 }
 
-/// A joint whose bodies turned more than this within a substep is factored anew after it, rad.
-const FAR_TURN: f32 = 0.1;
-
 /// M⁻¹Jᵀ and effective masses of the rows of all bodies that turned, for the inertia as it is.
 /// Multiply-adds of that.
 fn refresh_masses(plan: &mut Plan, all: bool) -> u64 {
@@ -563,7 +560,7 @@ fn factor_joints(plan: &mut Plan) -> u64 {
     for tree in plan.forest.trees.iter_mut().filter(|t| !t.is_idle) {
         // Of slow bodies the factors stay those of the poses before the motion: the little that turned comes back in
         // the next sweep. Of fast ones a step with such factors might be none toward the solution.
-        if tree.bodies().any(|body| plan.bodies[body as usize].turned_since_inertia() > FAR_TURN) {
+        if tree.bodies().any(|body| plan.bodies[body as usize].has_turned_far()) {
             tree.factor(&plan.rows, &plan.blocks);
             work += tree.assembly_work(&plan.blocks);
         }

@@ -5,6 +5,9 @@ use crate::constraint::friction::Coupling;
 use crate::constraint::row::{Jacobian, RowSpec};
 use crate::math::{Mat3, Vec3};
 
+/// Rows of joints turn with their bodies; inertia, and what is factored of it, only after more than this, rad.
+pub const FAR_TURN: f32 = 0.1;
+
 /// A body as the solver sees it. Index 0 is the ground: no velocity, no inverse mass.
 #[derive(Clone, Copy, Debug)]
 pub struct SolverBody {
@@ -82,9 +85,9 @@ impl SolverBody {
         self.inverse_mass != Vec3::ZERO
     }
 
-    /// How far it turned since its inertia was taken, rad.
-    pub fn turned_since_inertia(&self) -> f32 {
-        (self.turn - self.turn_of_inertia).length()
+    /// It turned so far that its inertia is to be taken anew.
+    pub fn has_turned_far(&self) -> bool {
+        (self.turn - self.turn_of_inertia).length_squared() > FAR_TURN * FAR_TURN
     }
 }
 

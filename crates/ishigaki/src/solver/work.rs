@@ -21,8 +21,6 @@ pub struct Manifolds {
     pub visit: u64,
     /// Rows from arms: J', K.
     pub rows: u64,
-    /// Rows anew for other inertias.
-    pub reweighing: u64,
     /// u' += J'ᵀλ.
     pub warm_start: u64,
     /// Separations after the motion, and biases of them after it and before the next.
@@ -34,32 +32,52 @@ pub struct Manifolds {
 impl Manifolds {
     /// A manifold of `count` points more; `passes` over its normals in a visit.
     pub fn add(&mut self, count: u64, passes: u64) {
-        let normals = 18 + count * 12 + passes * count * (count + 1);
+        let passes = if count == 1 { 1 } else { passes };
+        let normals = count * 12 + passes * count * (count + 1);
         let disk = 2 * 6 + 14 + 2 * 6 + 2;
-        let sliding = 6 + 12;
-        // Directions are unit vectors and square to each other: rotations are all that is multiplied.
-        let inner = (3 + 1) * 6 * count + count * (count - 1) / 2 * 6;
-        self.visit += normals + sliding + count * disk;
-        self.rows += 2 * (27 + count * 27) + inner;
-        self.reweighing += count * 3 * (18 + 18) + inner;
-        self.warm_start += count * 3 * APPLY;
-        self.measures += 9 + count * (6 + 6);
-        self.looks += count * (3 * VELOCITY + 8);
+        // Relative velocities along the three directions, and one impulse of all points on both bodies.
+        let linear = 9 + 9 + 6;
+        self.visit += linear + normals + count * disk;
+        // Arms, their products with the directions, I^−½ of these; from two points on by way of I^−½ of the directions.
+        let jacobians = if count == 1 { 18 + 27 } else { 27 + count * 27 };
+        self.rows += 2 * jacobians + inner(count);
+        self.warm_start += count * (9 + 6 + 3 * 6);
+        self.measures += 3 + count * (6 + 6);
+        self.looks += 9 + count * (3 * 6 + 8);
     }
 }
 
+/// J M⁻¹Jᵀ of the rows of a manifold. Directions are unit vectors and square to each other: rotations are all that is
+/// multiplied.
+const fn inner(count: u64) -> u64 {
+    (3 + 1) * 6 * count + count * (count - 1) / 2 * 6
+}
+
+/// Rows of a manifold of `count` points anew for other inertias.
+pub const fn reweighing(count: u64) -> u64 {
+    count * 3 * (18 + 18) + inner(count)
+}
+
 /// A visit to the point of a ball joint in the wide path: the linear part of its rows is a unit vector each.
-pub const POINT: u64 = 2 * (3 + 9) + 9 + 2 * (3 + 9);
-/// The same of round bodies, whose rows are a vector product with the arm.
-pub const ROUND_POINT: u64 = 2 * (3 + 6) + 9 + 2 * (3 + 6);
-/// A visit there to a row of a joint that turns its bodies only.
-pub const TURN_VISIT: u64 = 6 + 6 + 2;
+pub const POINT: u64 = 2 * 9 + 3 + 9 + POINT_PUSH;
+/// u' += M'⁻¹J'ᵀλ of it.
+pub const POINT_PUSH: u64 = 2 * (3 + 9);
+/// A visit to the same of round bodies, whose rows are a vector product with the arm.
+pub const ROUND_POINT: u64 = 2 * 6 + 3 + 9 + ROUND_POINT_PUSH;
+/// u' += M'⁻¹J'ᵀλ of it.
+pub const ROUND_POINT_PUSH: u64 = 2 * (3 + 6);
+/// u' += M'⁻¹J'ᵀλ of a row there that turns its bodies only.
+pub const TURN_PUSH: u64 = 6 + 1;
+/// A visit to such a row.
+pub const TURN_VISIT: u64 = TURN_LOOK + TURN_PUSH;
+/// Whether it has something to do, as ends of ranges mostly have not.
+pub const TURN_LOOK: u64 = 6 + 2;
 /// What a point leaves free of such a row.
 pub const FREE_PART: u64 = 3 * 6 + 9 + 3;
 /// Rows of a point at a pose: arms, J', K and its factors, arcs.
-pub const POINT_ROWS: u64 = 2 * 15 + 2 * 18 + 6 * 6 + 10 + 2 * 18;
+pub const POINT_ROWS: u64 = 2 * 15 + 2 * 18 + 6 * 6 + 10 + 2 * 18 + 3;
 /// The same of round bodies, whose rows are arms and whose ω stays.
-pub const ROUND_POINT_ROWS: u64 = 2 * 15 + 2 * 3 + 2 * 6 + 10 + 2 * 12;
+pub const ROUND_POINT_ROWS: u64 = 2 * 15 + 2 * 3 + 2 * 6 + 10 + 2 * 12 + 3;
 /// Rows of twist and cone: frames, angles, J'.
 pub const RANGE_ROWS: u64 = 2 * 16 + 2 * 15 + 16 + 20 + 2 * 24;
 

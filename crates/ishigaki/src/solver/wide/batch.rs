@@ -103,7 +103,7 @@ pub struct Batch {
     pub velocities: Vec<Record>,
     /// J'ᵀλ of the last substep: the warm start of the next, without a pass over the rows.
     pub carried: Vec<Record>,
-    /// Mass-weighted ways since the start of the step.
+    /// Ways, weighted as u', since the start of the step.
     pub displacements: Vec<Record>,
     /// Rows of the reference that its manifolds would be.
     pub rows: u32,
@@ -137,7 +137,7 @@ pub struct Batch {
     pub outcome: Outcome,
     /// I^−½: xx, xy, xz, 0, yy, yz, zz, 0.
     pub roots: Vec<Record>,
-    /// I^½ as it was before bodies turned; nothing without joints.
+    /// I^½ as it was before bodies turned, marked where it is another one now; nothing without joints.
     pub old_roots: Vec<Record>,
     pub(super) used_colors: Vec<u64>,
     pub(super) sums: Vec<Sums>,
@@ -334,8 +334,7 @@ impl Part<'_> {
         let rows = &mut self.blocks[block];
         (rows.body_a[lane], rows.body_b[lane]) = (bodies[0], bodies[1]);
         for (side, &body) in bodies.iter().enumerate() {
-            let root = if side == 0 { &mut rows.root_a } else { &mut rows.root_b };
-            root[lane] = self.movers[body as usize / LANES].inverse_root_mass[body as usize % LANES];
+            rows.inverse_mass[side][lane] = self.movers[body as usize / LANES].inverse_mass[body as usize % LANES];
         }
     }
 }

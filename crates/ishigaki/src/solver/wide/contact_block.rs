@@ -1,8 +1,9 @@
 //! Eight manifolds side by side: their rows, and the visit of a sweep. DESIGN, "Fast path".
 //!
-//! Bodies move in mass-weighted velocities u' = M^½u, rows see them through J' = J M^−½: J M⁻¹Jᵀ = J'J'ᵀ, and one
-//! Jacobian both reads (w = J'u') and pushes (u' += J'ᵀΔλ). A visit is that of `manifold_block.rs` in the reference:
-//! normals several times against each other through K = J'J'ᵀ, then the friction disk of each point, with the bound
+//! Bodies turn in velocities weighted by their inertia, u' = (v, I^½ω), and rows see them through J' = J diag(1, I^−½): one
+//! Jacobian both reads (w = J'u') and pushes (u' += M'⁻¹J'ᵀΔλ with M' = diag(m, 1)). What is linear is as it is: v_A − v_B costs
+//! no product, and an impulse has the same direction for both bodies. A visit is that of `manifold_block.rs` in the reference:
+//! normals several times against each other through K = J M⁻¹Jᵀ, then the friction disk of each point, with the bound
 //! that the normals give. The lanes of a block share no body that moves.
 //! No closures in here: the compiler does not give them the machine's wide instructions, and where one is not inlined
 //! each operation becomes a call.
@@ -104,7 +105,7 @@ mod rows;
 mod visit;
 
 pub use prepare::{prepare, reweigh};
-use rows::{RowLanes, Sliding, normal_velocities, point_velocity, push_all, push_normals, row_of, turn_point};
+use rows::{RowLanes, Sliding, normal_velocities, point_velocity, push_all, row_of, turn_by_normals, turn_point};
 pub use visit::{Unrest, inspect, visit};
 
 /// One point of eight manifolds.
@@ -115,7 +116,7 @@ pub struct PointLanes {
     pub angular_a: Lane3,
     /// Of B.
     pub angular_b: Lane3,
-    /// J'J'ᵀ of the normal row, 1/kg.
+    /// J M⁻¹Jᵀ of the normal row, 1/kg.
     pub k: Lane,
     /// Its inverse, kg; 0 where there is no point. While blocks are filled, 1 where there is one.
     pub effective_mass: Lane,
@@ -132,7 +133,7 @@ pub struct PointLanes {
 /// Friction of one point of eight manifolds.
 #[derive(Clone, Copy, Debug)]
 pub struct DiskLanes {
-    /// (J'J'ᵀ)⁻¹ of the two tangent rows, kg: 11, 12, 22. Where it is near to singular, the longest step that does not
+    /// (J M⁻¹Jᵀ)⁻¹ of the two tangent rows, kg: 11, 12, 22. Where it is near to singular, the longest step that does not
     /// overshoot, for both.
     pub inverse: [Lane; 3],
     /// Friction impulses along the tangents, N·s.
@@ -179,10 +180,8 @@ pub struct ContactBlock {
     pub body_b: [u32; LANES],
     /// B's surface normals.
     pub normal: Lane3,
-    /// m^−½ of A, kg^−½.
-    pub root_a: Lane,
-    /// Of B.
-    pub root_b: Lane,
+    /// 1/m of A and B, 1/kg.
+    pub inverse_mass: [Lane; 2],
     /// Coulomb's μ.
     pub friction: Lane,
     /// Points that the fullest of the eight has: 1, 2 or 4; beyond them nothing is read.
@@ -191,7 +190,7 @@ pub struct ContactBlock {
     pub bears: u8,
     /// Which of the [`TangentLanes`] of its domain belong to it; beyond all of them if its bodies are round.
     pub tangents: u32,
-    /// J'J'ᵀ of points 01, 02, 03, 12, 13, 23.
+    /// J M⁻¹Jᵀ of points 01, 02, 03, 12, 13, 23.
     pub coupling: [Lane; 6],
     /// Normals.
     pub points: [PointLanes; POINTS],
@@ -208,8 +207,7 @@ impl ContactBlock {
         body_a: [0; LANES],
         body_b: [0; LANES],
         normal: ZERO3,
-        root_a: ZERO,
-        root_b: ZERO,
+        inverse_mass: [ZERO; 2],
         friction: ZERO,
         size: Size::Four,
         bears: 0,
@@ -227,6 +225,13 @@ impl ContactBlock {
         }; POINTS],
         disks: [DiskLanes { inverse: [ZERO; 3], lambda: [ZERO; 2] }; POINTS],
     };
+
+    /// Bits of the lanes with a body whose inertia is another one now than `old_roots` has.
+    pub fn turned(&self, old_roots: &[Record]) -> u8 {
+        let has_turned = |body: u32| old_roots[body as usize].is_marked();
+        let lanes = self.body_a.iter().zip(&self.body_b).enumerate();
+        lanes.fold(0, |bits, (lane, (&a, &b))| bits | u8::from(has_turned(a) || has_turned(b)) << lane)
+    }
 
     /// Whether small gaps leave the support of a lane as it is.
     pub fn set_bears(&mut self, lane: usize, bears: bool) {
@@ -259,11 +264,8 @@ const fn pair(i: usize, j: usize) -> usize {
     }
 }
 
-/// M^½ Δu of an impulse: the masses that a block sees.
+/// The masses that a block sees: 1/m, and multiples of the inverse inertias.
 struct Masses<S: Simd> {
-    root_a: f32x8<S>,
-    root_b: f32x8<S>,
-    /// Scaled: what is pushed.
     push_a: f32x8<S>,
     push_b: f32x8<S>,
     inertia_a: f32x8<S>,
@@ -273,12 +275,9 @@ struct Masses<S: Simd> {
 impl<S: Simd> Masses<S> {
     #[inline(always)]
     fn of(simd: S, block: &ContactBlock, scale: &ScaleLanes) -> Self {
-        let (root_a, root_b) = (load(simd, &block.root_a), load(simd, &block.root_b));
         Self {
-            root_a,
-            root_b,
-            push_a: root_a * load(simd, &scale.mass[0]),
-            push_b: root_b * load(simd, &scale.mass[1]),
+            push_a: load(simd, &block.inverse_mass[0]) * load(simd, &scale.mass[0]),
+            push_b: load(simd, &block.inverse_mass[1]) * load(simd, &scale.mass[1]),
             inertia_a: load(simd, &scale.inertia[0]),
             inertia_b: load(simd, &scale.inertia[1]),
         }
@@ -286,10 +285,10 @@ impl<S: Simd> Masses<S> {
 }
 
 impl<S: Simd> Masses<S> {
-    /// J'J'ᵀ of the linear part of a row, 1/kg.
+    /// J M⁻¹Jᵀ of the linear part of a row, 1/kg.
     #[inline(always)]
     fn linear(&self) -> f32x8<S> {
-        self.root_a * self.push_a + self.root_b * self.push_b
+        self.push_a + self.push_b
     }
 }
 
@@ -371,7 +370,7 @@ fn separations_of<S: Simd, const N: usize>(
 ) -> Separations {
     let n = V3::load(simd, &block.normal);
     let moved = Sides::gather(simd, displacements, &block.body_a, &block.body_b);
-    let relative = moved.relative(load(simd, &block.root_a), load(simd, &block.root_b));
+    let relative = moved.relative();
     let ways = normal_velocities::<S, N>(simd, block, tangents, n, relative, &moved);
     let mut separations = [ZERO; POINTS];
     for i in 0..many::<N>(block.size) {

@@ -50,13 +50,18 @@ fn velocities(batch: &Batch, body: u32) -> (Vec3, Vec3) {
     batch.movers.velocities(body, &batch.velocities[body as usize])
 }
 
-/// Along the changes: ½u'² + biasᵀλ.
+/// Along the changes: ½ uᵀM u + biasᵀλ.
 fn search(batch: &Batch, work: &HandDown) -> Search {
     let mut search = Search::default();
     for (body, _) in batch.movers.bodies() {
         let (push, velocity) = (&work.pushes[body as usize], &batch.velocities[body as usize]);
         let change = batch.movers.pushed(body, push.linear, push.angular);
-        for (u, d) in velocity.0.iter().zip(change.0) {
+        let (force, [linear, turn]) = (push.linear.to_array(), [&change.0[..3], &change.0[4..]]);
+        for ((u, d), force) in velocity.0.iter().zip(linear).zip(force) {
+            search.slope += f64::from(u * force);
+            search.curvature += f64::from(d * force);
+        }
+        for (u, d) in velocity.0[4..].iter().zip(turn) {
             search.slope += f64::from(u * d);
             search.curvature += f64::from(d * d);
         }
@@ -71,7 +76,7 @@ fn search(batch: &Batch, work: &HandDown) -> Search {
     search
 }
 
-/// λ += αd, u' += αM^−½Jᵀd.
+/// λ += αd, u' with it.
 fn take(batch: &mut Batch, work: &HandDown, alpha: f32) {
     for (stand, changes) in work.stands.iter().zip(&work.changes) {
         let place = &batch.places[stand.name()];

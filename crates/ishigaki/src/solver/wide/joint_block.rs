@@ -1,6 +1,6 @@
 //! Eight ball joints side by side: a point in common, with cone, twist range, dry friction and damping. DESIGN, "Fast path".
 //!
-//! The rows are those of `constraint/ball.rs` in mass-weighted velocities, as in `contact_block.rs`; the three of the point
+//! The rows are those of `constraint/ball.rs` in velocities weighted by inertia, as in `contact_block.rs`; the three of the point
 //! are solved together by LDLᵀ (`block.rs`), an end of a range with its point (`reference.rs`). Poses come from the bodies
 //! after each motion, and rows follow them: no joint is asked one by one.
 //! No closures in here, as in `contact_block.rs`. Held to the reference by `tests/wide.rs`.
@@ -66,7 +66,7 @@ pub struct RangeLanes {
     axis: Lane3,
     /// J' of the rate, of A and B.
     angular: [Lane3; 2],
-    /// J'J'ᵀ.
+    /// J M⁻¹Jᵀ.
     k: Lane,
     /// 1 / what the point leaves free of it; known once an end is at work.
     free_mass: Lane,
@@ -101,10 +101,10 @@ pub struct JointBlock {
     /// Index of A and B in the batch; 0 is whatever does not move.
     pub bodies: [[u32; LANES]; 2],
     /// m^−½.
-    pub root: [Lane; 2],
+    pub inverse_mass: [Lane; 2],
     /// I^−½ of round bodies, 1/(kg^½·m).
     pub root_inertia: [Lane; 2],
-    /// L of J'J'ᵀ = L D Lᵀ: 10, 20, 21.
+    /// L of J M⁻¹Jᵀ = L D Lᵀ: 10, 20, 21.
     lower: Lane3,
     /// 1/D.
     inverse_pivots: Lane3,
@@ -151,7 +151,7 @@ impl JointBlock {
     /// Eight joints that do nothing.
     pub const EMPTY: Self = Self {
         bodies: [[0; LANES]; 2],
-        root: [ZERO; 2],
+        inverse_mass: [ZERO; 2],
         root_inertia: [ZERO; 2],
         lower: ZERO3,
         inverse_pivots: ZERO3,
@@ -168,7 +168,7 @@ impl JointBlock {
 
     /// Before all its lanes are filled.
     pub fn begin(&mut self, turns: u32) {
-        (self.root, self.total) = (Self::EMPTY.root, Self::EMPTY.total);
+        (self.inverse_mass, self.total) = (Self::EMPTY.inverse_mass, Self::EMPTY.total);
         (self.is_round, self.turns) = (true, turns);
     }
 

@@ -159,7 +159,7 @@ impl Part<'_> {
             block.bodies[side][lane] = bodies[side];
             block.poses[side][lane] = place.poses[side];
             set(&mut block.anchors[side], lane, anchor);
-            block.root[side][lane] = mover.inverse_root_mass[at];
+            block.inverse_mass[side][lane] = mover.inverse_mass[at];
             block.root_inertia[side][lane] = mover.inverse_root[0][at];
             block.is_round &= mover.uneven >> at & 1 == 0;
         }

@@ -45,6 +45,8 @@ pub struct JointWork {
     pub sweep: u64,
     /// Of a sweep of the recovery by poses.
     pub recovery: u64,
+    /// Of a warm start.
+    pub warm_start: u64,
     /// Of rows at a pose.
     pub rows: u64,
 }
@@ -258,19 +260,23 @@ impl Cell {
 impl JointWork {
     /// A joint more, in this lane, with the impulses it had when the step began.
     pub(super) fn add(&mut self, block: &JointBlock, turns: Option<&TurnLanes>, lane: usize) {
-        let (point, rows) = match block.is_round {
-            true => (work::ROUND_POINT, work::ROUND_POINT_ROWS),
-            false => (work::POINT, work::POINT_ROWS),
+        let (point, push, rows) = match block.is_round {
+            true => (work::ROUND_POINT, work::ROUND_POINT_PUSH, work::ROUND_POINT_ROWS),
+            false => (work::POINT, work::POINT_PUSH, work::POINT_ROWS),
         };
+        self.warm_start += push;
         let (mut ends, mut drags, mut ranges) = (0, 0, 0);
         if let Some(turns) = turns {
             let bears = |&(range, end): &(usize, usize)| turns.ranges[range].lambda[end][lane] > 0.0;
             let bearing = kernel::ENDS.iter().filter(|end| bears(end)).count() as u64;
             if turns.parts.ranges {
-                (ends, ranges) = (3 * work::TURN_VISIT + bearing * (point + work::FREE_PART), work::RANGE_ROWS);
+                (ends, ranges) =
+                    (3 * work::TURN_LOOK + bearing * (work::TURN_PUSH + point + work::FREE_PART), work::RANGE_ROWS);
+                self.warm_start += 3 * work::TURN_PUSH;
             }
             if turns.parts.drags {
                 drags = 6 * work::TURN_VISIT;
+                self.warm_start += 6 * work::TURN_PUSH;
             }
         }
         self.recovery += point + ends;
@@ -283,6 +289,7 @@ impl std::ops::AddAssign for JointWork {
     fn add_assign(&mut self, other: Self) {
         self.sweep += other.sweep;
         self.recovery += other.recovery;
+        self.warm_start += other.warm_start;
         self.rows += other.rows;
     }
 }

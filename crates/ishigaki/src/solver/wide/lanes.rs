@@ -19,6 +19,18 @@ pub type Lane3 = [Lane; 3];
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Record(pub [f32; 8]);
 
+impl Record {
+    /// Whether it is marked: in what lies beside its numbers.
+    pub fn is_marked(&self) -> bool {
+        self.0[3] != 0.0
+    }
+
+    /// Marks it, or not.
+    pub fn set_marked(&mut self, marked: bool) {
+        self.0[3] = if marked { 1.0 } else { 0.0 };
+    }
+}
+
 /// A vector in each lane.
 #[derive(Clone, Copy)]
 pub struct V3<S: Simd> {
@@ -368,10 +380,10 @@ impl<S: Simd> Sides<S> {
         scatter(simd, records, body_b, self.linear_b, self.angular_b);
     }
 
-    /// v_A − v_B from the mass-weighted.
+    /// v_A − v_B.
     #[inline(always)]
-    pub fn relative(&self, root_a: f32x8<S>, root_b: f32x8<S>) -> V3<S> {
-        self.linear_a.times(root_a).minus(self.linear_b.times(root_b))
+    pub fn relative(&self) -> V3<S> {
+        self.linear_a.minus(self.linear_b)
     }
 }
 

@@ -29,16 +29,16 @@ pub struct MoverBlock {
     pub center: Lane3,
     /// `world_from_body`.
     pub rotation: [Lane; 4],
-    /// m^½.
-    pub root_mass: Lane,
-    /// m^−½.
-    pub inverse_root_mass: Lane,
+    /// 1/m, 1/kg.
+    pub inverse_mass: Lane,
     /// I^½ in world, of the start of the step or as bodies were weighed anew.
     pub root: Lane6,
     /// I^−½.
     pub inverse_root: Lane6,
     /// `local_from_principal`.
     pub frame: [Lane; 4],
+    /// How far it turned since it was weighed, Σ h ω, rad; of those with which rows of joints turn.
+    pub turn: Lane3,
     /// About the principal axes, kg·m².
     pub inertia: Lane3,
     /// 1/I about the principal axes.
@@ -65,11 +65,11 @@ impl MoverBlock {
         spin: ZERO3,
         center: ZERO3,
         rotation: [ZERO, ZERO, ZERO, [1.0; LANES]],
-        root_mass: ZERO,
-        inverse_root_mass: ZERO,
+        inverse_mass: ZERO,
         root: [ZERO; 6],
         inverse_root: [ZERO; 6],
         frame: [ZERO, ZERO, ZERO, [1.0; LANES]],
+        turn: ZERO3,
         inertia: ZERO3,
         inverse_inertia: ZERO3,
         acceleration: ZERO3,
@@ -85,6 +85,7 @@ impl MoverBlock {
         if slots.contains(&NOBODY) {
             *self = Self::EMPTY;
         }
+        self.turn = ZERO3;
         (self.uneven, self.weighed, self.is_turned) = (0, 0, false);
     }
 
@@ -92,8 +93,7 @@ impl MoverBlock {
     pub(super) fn fill(&mut self, lane: usize, body: &BodyState, gravity: Vec3, h: f32, is_jointed: bool) {
         let spin = body.spin();
         let inverse_mass = body.inverse_mass;
-        let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { 0.0 };
-        (self.root_mass[lane], self.inverse_root_mass[lane]) = (mass.sqrt(), inverse_mass.sqrt());
+        self.inverse_mass[lane] = inverse_mass;
         set(&mut self.velocity, lane, body.velocity);
         set(&mut self.center, lane, body.center);
         set_rotation(&mut self.frame, lane, spin.principal_frame);
@@ -247,10 +247,10 @@ impl Movers {
         (&self.blocks[index / LANES], index % LANES)
     }
 
-    /// m^−½ of the body with this record; 0 for the ground.
-    pub fn inverse_root_mass(&self, record: u32) -> f32 {
+    /// 1/m of the body with this record, 1/kg; 0 for the ground.
+    pub fn inverse_mass(&self, record: u32) -> f32 {
         let (block, lane) = self.at(record);
-        block.inverse_root_mass[lane]
+        block.inverse_mass[lane]
     }
 
     /// Whether all moments of inertia of the body with this record are the same; nor does the ground turn.
@@ -265,28 +265,30 @@ impl Movers {
         block.inverse_root[0][lane]
     }
 
-    /// v and ω of a mass-weighted velocity.
+    /// v and ω of u'.
     pub fn velocities(&self, record: u32, u: &Record) -> (Vec3, Vec3) {
         let ((block, lane), (linear, angular)) = (self.at(record), parts(u));
-        (block.inverse_root_mass[lane] * linear, times(&block.inverse_root, lane, angular))
+        (linear, times(&block.inverse_root, lane, angular))
     }
 
-    /// The mass-weighted velocity of v and ω.
+    /// u' of v and ω.
     pub fn weighted(&self, record_of: u32, velocity: Vec3, angular_velocity: Vec3) -> Record {
         let (block, lane) = self.at(record_of);
-        record(block.root_mass[lane] * velocity, times(&block.root, lane, angular_velocity))
+        record(velocity, times(&block.root, lane, angular_velocity))
     }
 
-    /// M^−½ times an impulse, N·s, and an angular impulse, N·m·s: the change of u' that they make.
+    /// The change of u' that an impulse, N·s, and an angular impulse, N·m·s, make.
     pub fn pushed(&self, record_of: u32, impulse: Vec3, torque: Vec3) -> Record {
         let (block, lane) = self.at(record_of);
-        record(block.inverse_root_mass[lane] * impulse, times(&block.inverse_root, lane, torque))
+        record(block.inverse_mass[lane] * impulse, times(&block.inverse_root, lane, torque))
     }
 
-    /// M^½u' = (m v, I ω) of a mass-weighted velocity, N·s and N·m·s.
+    /// (m v, I ω) of u', N·s and N·m·s; nothing of what has no mass.
     pub fn impetus(&self, record: u32, u: &Record) -> (Vec3, Vec3) {
         let ((block, lane), (linear, angular)) = (self.at(record), parts(u));
-        (block.root_mass[lane] * linear, times(&block.root, lane, angular))
+        let inverse_mass = block.inverse_mass[lane];
+        let mass = if inverse_mass > 0.0 { 1.0 / inverse_mass } else { 0.0 };
+        (mass * linear, times(&block.root, lane, angular))
     }
 
     /// Into the world.

@@ -6,6 +6,7 @@
 use crate::math::Vec3;
 use crate::motion::{self, forces};
 use crate::options::RotationScheme;
+use crate::solver::table::FAR_TURN;
 use crate::solver::wide::lanes::{LANES, Q4, Record, Symmetric, V3, load, read, splat, store, write, write_poses};
 use crate::solver::wide::lanes::{get, set};
 use crate::solver::wide::mover::{Lane6, MoverBlock};
@@ -66,22 +67,16 @@ impl<S: Simd> Twist<S> {
         Self { linear: self.linear.times(s), angular: self.angular.times(s) }
     }
 
-    /// M^½ of it.
+    /// With I^½ of its rotation, as rows see it.
     #[inline(always)]
     fn weighted(self, simd: S, block: &MoverBlock) -> Self {
-        Self {
-            linear: self.linear.times(load(simd, &block.root_mass)),
-            angular: root_times(simd, block, &block.root, self.angular),
-        }
+        Self { linear: self.linear, angular: root_times(simd, block, &block.root, self.angular) }
     }
 
-    /// M^−½ of it.
+    /// Back from there.
     #[inline(always)]
     fn unweighted(self, simd: S, block: &MoverBlock) -> Self {
-        Self {
-            linear: self.linear.times(load(simd, &block.inverse_root_mass)),
-            angular: root_times(simd, block, &block.inverse_root, self.angular),
-        }
+        Self { linear: self.linear, angular: root_times(simd, block, &block.inverse_root, self.angular) }
     }
 
     /// v and ω as they are.
@@ -122,8 +117,7 @@ fn begin<S: Simd>(simd: S, block: &mut MoverBlock, carried: Option<&Eight>, velo
 #[inline(always)]
 fn take<S: Simd>(simd: S, block: &mut MoverBlock, after: &Eight) -> Twist<S> {
     let change = Twist::read(simd, after).minus(Twist::of(simd, block).weighted(simd, block));
-    let linear = change.linear.times(load(simd, &block.inverse_root_mass));
-    V3::load(simd, &block.velocity).plus(linear).store(&mut block.velocity);
+    V3::load(simd, &block.velocity).plus(change.linear).store(&mut block.velocity);
     let turn = root_times(simd, block, &block.root, change.angular);
     let momentum = V3::load(simd, &block.momentum).plus(turn);
     momentum.store(&mut block.momentum);
@@ -172,10 +166,19 @@ fn advance<S: Simd>(
     take(simd, block, velocities).write(simd, carried);
     limit(simd, block, motion);
     let way = Twist::of(simd, block).times(simd, motion.h);
+    note_turn(simd, block, way.angular);
     V3::load(simd, &block.center).plus(way.linear).store(&mut block.center);
     Twist::read(simd, displacements).plus(way.weighted(simd, block)).write(simd, displacements);
     turn(simd, block, motion.scheme, motion.h);
     record(simd, block, velocities);
+}
+
+/// Adds to how far bodies turned since they were weighed.
+#[inline(always)]
+fn note_turn<S: Simd>(simd: S, block: &mut MoverBlock, turn: V3<S>) {
+    if block.weighed != 0 {
+        V3::load(simd, &block.turn).plus(turn).store(&mut block.turn);
+    }
 }
 
 #[inline(always)]
@@ -213,21 +216,31 @@ fn weigh<S: Simd>(simd: S, block: &mut MoverBlock, inverse_roots: &mut Eight) {
     write(simd, inverse_roots, inverse.upper, inverse.lower);
 }
 
-/// The same for bodies whose joints turn with them; their ways so far and their u' are weighted anew.
+/// The same for bodies whose joints turn with them, where they turned far; their ways so far and their u' are weighted anew.
+/// `old_roots` gets I^½ as it was, with marks where it is another one now.
 #[inline(always)]
 fn reweigh<S: Simd>(
     simd: S,
     block: &mut MoverBlock,
+    old_roots: &mut Eight,
     inverse_roots: &mut Eight,
     displacements: &mut Eight,
     velocities: &mut Eight,
 ) {
-    if block.weighed == 0 {
-        return;
+    let turned = V3::load(simd, &block.turn);
+    let is_far = turned.dot(turned).simd_gt(splat(simd, FAR_TURN * FAR_TURN));
+    let chosen = mask32x8::from_bitmask(simd, block.weighed.into()) & is_far;
+    if !chosen.any_true() {
+        return old_roots.iter_mut().for_each(|root| root.set_marked(false));
     }
+    write_roots(simd, block, old_roots);
+    for (lane, root) in old_roots.iter_mut().enumerate() {
+        root.set_marked(chosen.to_bitmask() >> lane & 1 != 0);
+    }
+    let zero = splat(simd, 0.0);
+    choose(chosen, V3 { x: zero, y: zero, z: zero }, turned).store(&mut block.turn);
     let way = Twist::read(simd, displacements);
     let moved = way.unweighted(simd, block);
-    let chosen = mask32x8::from_bitmask(simd, block.weighed.into());
     let [root, inverse] = roots(simd, block);
     let (old, old_inverse) = (symmetric(simd, &block.root), symmetric(simd, &block.inverse_root));
     let root = Symmetric { upper: choose(chosen, root.upper, old.upper), lower: choose(chosen, root.lower, old.lower) };
@@ -255,7 +268,7 @@ fn write_roots<S: Simd>(simd: S, block: &MoverBlock, roots: &mut Eight) {
     write(simd, roots, root.upper, root.lower);
 }
 
-/// Moves by `h` seconds of mass-weighted velocities that are forgotten; L stays, ω follows.
+/// Moves by `h` seconds of velocities, weighted as u', that are forgotten; L stays, ω follows.
 #[inline(always)]
 fn shift<S: Simd>(
     simd: S,
@@ -271,6 +284,7 @@ fn shift<S: Simd>(
     let still = l.x.simd_eq(zero) & l.y.simd_eq(zero) & l.z.simd_eq(zero);
     let still = still & a.x.simd_eq(zero) & a.y.simd_eq(zero) & a.z.simd_eq(zero);
     let way = push.unweighted(simd, block);
+    note_turn(simd, block, way.angular.times(splat(simd, h)));
     let old = Q4::load(simd, &block.rotation);
     let after = turned(simd, old, way.angular, h);
     let mut far = (after.is_far & !still).to_bitmask();
@@ -367,7 +381,7 @@ pub fn end_all<S: Simd>(simd: S, blocks: &mut [MoverBlock], carried: Option<&mut
     }
 }
 
-/// `reweigh` for all; `old_roots` gets I^½ as it was.
+/// `reweigh` for all.
 #[inline(always)]
 pub fn reweigh_all<S: Simd>(
     simd: S,
@@ -380,8 +394,7 @@ pub fn reweigh_all<S: Simd>(
     let records = roots.as_chunks_mut().0.iter_mut().zip(old_roots.as_chunks_mut().0);
     let records = records.zip(ways.as_chunks_mut().0).zip(velocities.as_chunks_mut().0);
     for (block, (((roots, old_roots), ways), velocities)) in blocks.iter_mut().zip(records) {
-        write_roots(simd, block, old_roots);
-        reweigh(simd, block, roots, ways, velocities);
+        reweigh(simd, block, old_roots, roots, ways, velocities);
     }
 }
 

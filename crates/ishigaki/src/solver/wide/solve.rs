@@ -74,7 +74,7 @@ impl World {
             if !is_free {
                 if substep == 0 || batch.pushes_anew() {
                     batch.warm_start(machine);
-                    batch.outcome.work += work.warm_start;
+                    batch.outcome.work += work.warm_start + batch.joints.work.warm_start;
                 }
                 let looks = substeps < solver_substeps || self.has_stacks(batch);
                 if looks {
@@ -98,7 +98,6 @@ impl World {
             batch.advance(machine, &motion);
             if !is_free {
                 if !batch.joints.is_empty() {
-                    batch.outcome.work += work.reweighing;
                     batch.weigh(machine);
                     self.recover_batch_joints(machine, batch, h);
                 }
@@ -252,13 +251,17 @@ impl Batch {
         self.joints.poses = poses;
     }
 
-    /// Inertias of bodies with joints, and rows of their contacts, for the rotations as they are: limbs turn far in a step.
+    /// Inertias of bodies with joints that turned far, and rows of their contacts, for the rotations as they are: limbs do so
+    /// within a step.
     fn weigh(&mut self, machine: Machine<'_>) {
         if !self.movers.blocks.iter().any(|block| block.weighed != 0) {
             return;
         }
         self.each(machine, |part| part.weigh_bodies(machine.level));
-        self.each_and_seam(machine, |part| part.weigh_contacts(machine.level));
+        let weigh = |part: &mut Part<'_>| part.weigh_contacts(machine.level);
+        let work: u64 = self.each(machine, weigh).into_iter().flatten().sum();
+        let of_seam = self.seam().map_or(0, |mut seam| weigh(&mut seam));
+        self.outcome.work += work + of_seam;
     }
 
     /// Errors of joints at the end of the step.

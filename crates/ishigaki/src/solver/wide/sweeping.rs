@@ -4,6 +4,7 @@ use crate::solver::wide::contact_block::{self as kernel, Biases, ContactBlock, S
 use crate::solver::wide::domain::Part;
 use crate::solver::wide::lanes::{LANES, Lane, Record, splat, store};
 use crate::solver::wide::moving::{self, Motion};
+use crate::solver::work;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, dispatch};
 use std::ops::Range;
@@ -53,11 +54,11 @@ impl Part<'_> {
         dispatch!(level, simd => moving::reweigh_all(simd, movers, roots, old_roots, ways, velocities));
     }
 
-    /// Rows of contacts for the inertias as they are.
-    pub fn weigh_contacts(&mut self, level: Level) {
+    /// Rows of contacts for the inertias as they are; multiply-adds of that.
+    pub fn weigh_contacts(&mut self, level: Level) -> u64 {
         let (scales, old, new) = (self.scales, &*self.old_roots, &*self.roots);
         let (blocks, tangents) = (&mut *self.blocks, &mut *self.tangents);
-        dispatch!(level, simd => reweigh_all(simd, blocks, tangents, scales, old, new));
+        dispatch!(level, simd => reweigh_all(simd, blocks, tangents, scales, old, new))
     }
 
     /// u' += J'ᵀλ for some of the blocks.
@@ -152,12 +153,17 @@ fn reweigh_all<S: Simd>(
     scales: &[ScaleLanes],
     old: &[Record],
     new: &[Record],
-) {
+) -> u64 {
+    let mut work = 0;
     for (k, block) in blocks.iter_mut().enumerate() {
-        if let Some(tangents) = tangents.get_mut(block.tangents as usize) {
-            kernel::reweigh(simd, block, tangents, &scales[k.min(scales.len() - 1)], old, new);
+        let Some(tangents) = tangents.get_mut(block.tangents as usize) else { continue };
+        let turned = block.turned(old);
+        if turned != 0 {
+            kernel::reweigh(simd, block, tangents, &scales[k.min(scales.len() - 1)], old, new, turned);
+            work += u64::from(turned.count_ones()) * work::reweighing(block.size.points() as u64);
         }
     }
+    work
 }
 
 #[inline(always)]

@@ -5,8 +5,9 @@ use super::{
     unit_tangents,
 };
 use crate::solver::wide::lanes::{Record, Symmetric, V3, inverse, load, splat, store};
-use fearless_simd::f32x8;
+use crate::solver::wide::turning::choose;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8};
 
 /// Of a point: arms on both bodies, and 1 where there is a point, else 0.
 struct Arms<S: Simd> {
@@ -24,10 +25,22 @@ impl<S: Simd> Arms<S> {
         Self { a, b, kept: self.kept }
     }
 
+    /// J' along `axes`.
+    #[inline(always)]
+    fn rows(&self, axes: [V3<S>; 3], roots: &[Symmetric<S>; 2]) -> [RowLanes<S>; 3] {
+        let arms = Self { a: self.a.times(self.kept), b: self.b.times(self.kept), kept: self.kept };
+        let [n, t1, t2] = axes;
+        let mut rows = [arms.round_row(n), arms.round_row(t1), arms.round_row(t2)];
+        for row in &mut rows {
+            *row = RowLanes { angular_a: roots[0].times(row.angular_a), angular_b: roots[1].times(row.angular_b) };
+        }
+        rows
+    }
+
     /// J' along an axis, from weighted arms.
     #[inline(always)]
     fn round_row(&self, axis: V3<S>) -> RowLanes<S> {
-        RowLanes { direction: axis, angular_a: self.a.cross(axis), angular_b: axis.cross(self.b) }
+        RowLanes { angular_a: self.a.cross(axis), angular_b: axis.cross(self.b) }
     }
 }
 
@@ -49,9 +62,9 @@ impl<S: Simd> Frame<S> {
         let of_a = turned(&self.a, arms.a.times(arms.kept), axes);
         let of_b = turned(&self.b, arms.b.times(-arms.kept), axes);
         [
-            RowLanes { direction: axes[0], angular_a: of_a[0], angular_b: of_b[0] },
-            RowLanes { direction: axes[1], angular_a: of_a[1], angular_b: of_b[1] },
-            RowLanes { direction: axes[2], angular_a: of_a[2], angular_b: of_b[2] },
+            RowLanes { angular_a: of_a[0], angular_b: of_b[0] },
+            RowLanes { angular_a: of_a[1], angular_b: of_b[1] },
+            RowLanes { angular_a: of_a[2], angular_b: of_b[2] },
         ]
     }
 }
@@ -96,7 +109,7 @@ fn prepare_points<S: Simd, const N: usize>(
     let axes = [n, t[0], t[1]];
     let frame = Frame::new(axes, &roots);
     let (zero, half) = (splat(simd, 0.0), splat(simd, 0.5));
-    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
+    let mut normals = [RowLanes { angular_a: n, angular_b: n }; N];
     for i in 0..many::<N>(block.size) {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
         let exists = load(simd, &p.effective_mass).simd_gt(zero);
@@ -119,7 +132,9 @@ fn prepare_points<S: Simd, const N: usize>(
         let (normal, tangent);
         match tangents.as_deref_mut() {
             Some(lanes) => {
-                let rows = frame.rows(&arms, axes);
+                // A frame pays from two points on.
+                let is_single = many::<N>(block.size) == 1;
+                let rows = if is_single { arms.rows(axes, &roots) } else { frame.rows(&arms, axes) };
                 normal = rows[0];
                 tangent = [rows[1], rows[2]];
                 normal.angular_a.store(&mut p.angular_a);
@@ -156,8 +171,8 @@ fn couple<S: Simd, const N: usize>(block: &mut ContactBlock, normals: &[RowLanes
     }
 }
 
-/// Rows for other inertias: `old` holds I^½ of all bodies as rows have them, `new` I^−½ as they shall. Those of round bodies
-/// do not change.
+/// Rows of the lanes `turned` for other inertias: `old` holds I^½ of all bodies as rows have them, `new` I^−½ as they shall.
+/// Those of round bodies do not change.
 #[inline(always)]
 pub fn reweigh<S: Simd>(
     simd: S,
@@ -166,8 +181,9 @@ pub fn reweigh<S: Simd>(
     scale: &ScaleLanes,
     old: &[Record],
     new: &[Record],
+    turned: u8,
 ) {
-    by_size!(block.size, N => reweigh_points::<S, N>(simd, block, tangents, scale, old, new))
+    by_size!(block.size, N => reweigh_points::<S, N>(simd, block, tangents, scale, old, new, turned))
 }
 
 #[inline(always)]
@@ -178,19 +194,20 @@ fn reweigh_points<S: Simd, const N: usize>(
     scale: &ScaleLanes,
     old: &[Record],
     new: &[Record],
+    turned: u8,
 ) {
     let n = V3::load(simd, &block.normal);
-    let t = unit_tangents(simd, n);
     let masses = Masses::of(simd, block, scale);
     let change = Reweighing {
+        turned: mask32x8::from_bitmask(simd, turned.into()),
         old: [Symmetric::gather(simd, old, &block.body_a), Symmetric::gather(simd, old, &block.body_b)],
         new: [Symmetric::gather(simd, new, &block.body_a), Symmetric::gather(simd, new, &block.body_b)],
     };
-    let mut normals = [RowLanes { direction: n, angular_a: n, angular_b: n }; N];
+    let mut normals = [RowLanes { angular_a: n, angular_b: n }; N];
     for i in 0..many::<N>(block.size) {
         let (p, disk) = (&mut block.points[i], &mut block.disks[i]);
         let exists = load(simd, &p.effective_mass).simd_gt(splat(simd, 0.0));
-        let normal = change.of(row_of(simd, n, &p.angular_a, &p.angular_b));
+        let normal = change.of(row_of(simd, &p.angular_a, &p.angular_b));
         let k = normal.inner(&normal, &masses);
         let zero = splat(simd, 0.0);
         store(k, &mut p.k);
@@ -199,8 +216,8 @@ fn reweigh_points<S: Simd, const N: usize>(
         normal.angular_b.store(&mut p.angular_b);
         normals[i] = normal;
         let tangent = [
-            change.of(row_of(simd, t[0], &tangents.angular_a[i][0], &tangents.angular_b[i][0])),
-            change.of(row_of(simd, t[1], &tangents.angular_a[i][1], &tangents.angular_b[i][1])),
+            change.of(row_of(simd, &tangents.angular_a[i][0], &tangents.angular_b[i][0])),
+            change.of(row_of(simd, &tangents.angular_a[i][1], &tangents.angular_b[i][1])),
         ];
         for k in 0..2 {
             tangent[k].angular_a.store(&mut tangents.angular_a[i][k]);
@@ -211,8 +228,9 @@ fn reweigh_points<S: Simd, const N: usize>(
     couple(block, &normals, &masses);
 }
 
-/// From rows with one inertia of A and B to rows with another.
+/// From rows with one inertia of A and B to rows with another, in some lanes.
 struct Reweighing<S: Simd> {
+    turned: mask32x8<S>,
     old: [Symmetric<S>; 2],
     new: [Symmetric<S>; 2],
 }
@@ -220,10 +238,11 @@ struct Reweighing<S: Simd> {
 impl<S: Simd> Reweighing<S> {
     #[inline(always)]
     fn of(&self, row: RowLanes<S>) -> RowLanes<S> {
+        let of_a = self.new[0].times(self.old[0].times(row.angular_a));
+        let of_b = self.new[1].times(self.old[1].times(row.angular_b));
         RowLanes {
-            angular_a: self.new[0].times(self.old[0].times(row.angular_a)),
-            angular_b: self.new[1].times(self.old[1].times(row.angular_b)),
-            ..row
+            angular_a: choose(self.turned, of_a, row.angular_a),
+            angular_b: choose(self.turned, of_b, row.angular_b),
         }
     }
 }

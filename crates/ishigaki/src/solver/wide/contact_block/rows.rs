@@ -8,22 +8,21 @@ use crate::solver::wide::lanes::{Lane3, Sides, V3, splat};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-/// J' of one row: direction, and rotations of A and B.
+/// J' of one row for rotations of A and B.
 #[derive(Clone, Copy)]
 pub struct RowLanes<S: Simd> {
-    pub direction: V3<S>,
     pub angular_a: V3<S>,
     pub angular_b: V3<S>,
 }
 
 impl<S: Simd> RowLanes<S> {
-    /// J'J''ᵀ of two rows along the same direction.
+    /// J M⁻¹Jᵀ of two rows along the same direction.
     #[inline(always)]
     pub fn inner(&self, o: &Self, m: &Masses<S>) -> f32x8<S> {
         m.linear() + self.inner_across(o, m)
     }
 
-    /// J'J''ᵀ of two rows along directions that are square to each other.
+    /// The same along directions that are square to each other.
     #[inline(always)]
     pub fn inner_across(&self, o: &Self, m: &Masses<S>) -> f32x8<S> {
         self.angular_a.dot(o.angular_a) * m.inertia_a + self.angular_b.dot(o.angular_b) * m.inertia_b
@@ -35,15 +34,7 @@ impl<S: Simd> RowLanes<S> {
         self.angular_a.dot(sides.angular_a) + self.angular_b.dot(sides.angular_b)
     }
 
-    /// u' += J'ᵀΔλ.
-    #[inline(always)]
-    pub fn push(&self, delta: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
-        sides.linear_a = sides.linear_a.plus(self.direction.times(delta * m.push_a));
-        sides.linear_b = sides.linear_b.minus(self.direction.times(delta * m.push_b));
-        self.turn(delta, m, sides);
-    }
-
-    /// The part of it that rotations take.
+    /// The part of u' += M'⁻¹J'ᵀΔλ that rotations take.
     #[inline(always)]
     pub fn turn(&self, delta: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
         sides.angular_a = sides.angular_a.plus(self.angular_a.times(delta * m.inertia_a));
@@ -52,8 +43,8 @@ impl<S: Simd> RowLanes<S> {
 }
 
 #[inline(always)]
-pub fn row_of<S: Simd>(simd: S, direction: V3<S>, angular_a: &Lane3, angular_b: &Lane3) -> RowLanes<S> {
-    RowLanes { direction, angular_a: V3::load(simd, angular_a), angular_b: V3::load(simd, angular_b) }
+pub fn row_of<S: Simd>(simd: S, angular_a: &Lane3, angular_b: &Lane3) -> RowLanes<S> {
+    RowLanes { angular_a: V3::load(simd, angular_a), angular_b: V3::load(simd, angular_b) }
 }
 
 /// J'u' of the normal rows; `relative` is v_A − v_B.
@@ -81,9 +72,9 @@ pub fn normal_velocities<S: Simd, const N: usize>(
     w
 }
 
-/// u' += J'ᵀΔλ of the normal rows.
+/// The rotations of u' += M'⁻¹J'ᵀΔλ of the normal rows; ΣΔλ, the push along the normal.
 #[inline(always)]
-pub fn push_normals<S: Simd, const N: usize>(
+pub fn turn_by_normals<S: Simd, const N: usize>(
     simd: S,
     block: &ContactBlock,
     tangents: Option<&TangentLanes>,
@@ -91,7 +82,7 @@ pub fn push_normals<S: Simd, const N: usize>(
     change: &[f32x8<S>; N],
     m: &Masses<S>,
     sides: &mut Sides<S>,
-) {
+) -> f32x8<S> {
     let zero = splat(simd, 0.0);
     let mut sum = zero;
     let zero = V3 { x: zero, y: zero, z: zero };
@@ -106,11 +97,10 @@ pub fn push_normals<S: Simd, const N: usize>(
         (turn_a, turn_b) = (sides.angular_a.plus(turn_a.cross(n)), sides.angular_b.plus(n.cross(turn_b)));
     }
     (sides.angular_a, sides.angular_b) = (turn_a, turn_b);
-    sides.linear_a = sides.linear_a.plus(n.times(sum * m.push_a));
-    sides.linear_b = sides.linear_b.minus(n.times(sum * m.push_b));
+    sum
 }
 
-/// u' += J'ᵀλ of all rows of a point; `lambda` is along the normal and the tangents.
+/// u' += M'⁻¹J'ᵀλ of all rows of a point; `lambda` is along the normal and the tangents.
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
 pub fn push_all<S: Simd>(
@@ -123,14 +113,15 @@ pub fn push_all<S: Simd>(
     m: &Masses<S>,
     sides: &mut Sides<S>,
 ) {
+    let impulse = n.times(lambda[0]).plus(t1.times(lambda[1])).plus(t2.times(lambda[2]));
+    push_along(impulse, m, sides);
     if let Some(lanes) = tangents {
         let p = &block.points[i];
-        row_of(simd, n, &p.angular_a, &p.angular_b).push(lambda[0], m, sides);
-        tangent_row(simd, lanes, i, 0, t1).push(lambda[1], m, sides);
-        tangent_row(simd, lanes, i, 1, t2).push(lambda[2], m, sides);
+        row_of(simd, &p.angular_a, &p.angular_b).turn(lambda[0], m, sides);
+        tangent_row(simd, lanes, i, 0).turn(lambda[1], m, sides);
+        tangent_row(simd, lanes, i, 1).turn(lambda[2], m, sides);
     } else {
-        let impulse = n.times(lambda[0]).plus(t1.times(lambda[1])).plus(t2.times(lambda[2]));
-        push_round(simd, block, i, impulse, m, sides);
+        turn_round(simd, block, i, impulse, m, sides);
     }
 }
 
@@ -147,7 +138,7 @@ pub fn point_velocity<S: Simd>(
 ) -> [f32x8<S>; 2] {
     match tangents {
         Some(lanes) => {
-            let rows = [tangent_row(simd, lanes, i, 0, t[0]), tangent_row(simd, lanes, i, 1, t[1])];
+            let rows = [tangent_row(simd, lanes, i, 0), tangent_row(simd, lanes, i, 1)];
             [speed[0] + rows[0].turning(sides), speed[1] + rows[1].turning(sides)]
         }
         None => {
@@ -159,7 +150,7 @@ pub fn point_velocity<S: Simd>(
     }
 }
 
-/// u' += J'ᵀΔλ of the tangent rows of a point, but for the linear part, which all points share: [`Sliding`].
+/// u' += M'⁻¹J'ᵀΔλ of the tangent rows of a point, but for the linear part, which all points share: [`Sliding`].
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "a kernel takes the arrays of a batch")]
 pub fn turn_point<S: Simd>(
@@ -175,7 +166,7 @@ pub fn turn_point<S: Simd>(
     match tangents {
         Some(lanes) => {
             for k in 0..2 {
-                tangent_row(simd, lanes, i, k, t[k]).turn(change[k], m, sides);
+                tangent_row(simd, lanes, i, k).turn(change[k], m, sides);
             }
         }
         None => {
@@ -212,24 +203,22 @@ impl<S: Simd> Sliding<S> {
         }
     }
 
-    /// u' of all of them.
+    /// v of both bodies, by all of them and by `normal`, the impulse along the normal.
     #[inline(always)]
-    pub fn push(self, t: [V3<S>; 2], m: &Masses<S>, sides: &mut Sides<S>) {
-        let impulse = t[0].times(self.impulse[0]).plus(t[1].times(self.impulse[1]));
-        sides.linear_a = sides.linear_a.plus(impulse.times(m.push_a));
-        sides.linear_b = sides.linear_b.minus(impulse.times(m.push_b));
+    pub fn push(self, [n, t1, t2]: [V3<S>; 3], normal: f32x8<S>, m: &Masses<S>, sides: &mut Sides<S>) {
+        let sliding = t1.times(self.impulse[0]).plus(t2.times(self.impulse[1]));
+        push_along(n.times(normal).plus(sliding), m, sides);
     }
 }
 
-/// An impulse on A at a point between round bodies, and back on B.
+/// v of both bodies by an impulse on A and back on B.
 #[inline(always)]
-fn push_round<S: Simd>(simd: S, block: &ContactBlock, i: usize, impulse: V3<S>, m: &Masses<S>, sides: &mut Sides<S>) {
+fn push_along<S: Simd>(impulse: V3<S>, m: &Masses<S>, sides: &mut Sides<S>) {
     sides.linear_a = sides.linear_a.plus(impulse.times(m.push_a));
     sides.linear_b = sides.linear_b.minus(impulse.times(m.push_b));
-    turn_round(simd, block, i, impulse, m, sides);
 }
 
-/// The part of it that rotations take.
+/// The rotations of round bodies by an impulse on A at a point, and back on B.
 #[inline(always)]
 fn turn_round<S: Simd>(simd: S, block: &ContactBlock, i: usize, impulse: V3<S>, m: &Masses<S>, sides: &mut Sides<S>) {
     let p = &block.points[i];
@@ -239,6 +228,6 @@ fn turn_round<S: Simd>(simd: S, block: &ContactBlock, i: usize, impulse: V3<S>, 
 }
 
 #[inline(always)]
-fn tangent_row<S: Simd>(simd: S, lanes: &TangentLanes, i: usize, k: usize, direction: V3<S>) -> RowLanes<S> {
-    row_of(simd, direction, &lanes.angular_a[i][k], &lanes.angular_b[i][k])
+fn tangent_row<S: Simd>(simd: S, lanes: &TangentLanes, i: usize, k: usize) -> RowLanes<S> {
+    row_of(simd, &lanes.angular_a[i][k], &lanes.angular_b[i][k])
 }

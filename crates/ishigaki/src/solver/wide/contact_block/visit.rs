@@ -4,7 +4,7 @@ use super::{
     ContactBlock, DiskLanes, Masses, ONE_FOR_ALL, POINTS, ScaleLanes, Size, SweepPass, TangentLanes, many, pair,
     unit_tangents,
 };
-use super::{Sliding, normal_velocities, point_velocity, push_normals, turn_point};
+use super::{Sliding, normal_velocities, point_velocity, turn_by_normals, turn_point};
 use crate::solver::wide::lanes::{Record, Sides, V3, load, positive, splat, store};
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
@@ -37,10 +37,10 @@ fn visit_points<S: Simd, const N: usize>(
     let masses = Masses::of(simd, block, scale);
     let n = V3::load(simd, &block.normal);
     let mut sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
-    let relative = sides.relative(masses.root_a, masses.root_b);
+    let relative = sides.relative();
     let mut w = normal_velocities::<S, N>(simd, block, tangents, n, relative, &sides);
     let change = solve_normals(simd, block, &mut w, pass.passes);
-    push_normals(simd, block, tangents, n, &change, &masses, &mut sides);
+    let pushed = turn_by_normals(simd, block, tangents, n, &change, &masses, &mut sides);
     let t = unit_tangents(simd, n);
     let mu = load(simd, &block.friction);
     // What the normals push is square to it.
@@ -52,7 +52,7 @@ fn visit_points<S: Simd, const N: usize>(
         sliding.add(change);
         turn_point(simd, block, tangents, i, t, change, &masses, &mut sides);
     }
-    sliding.push(t, &masses, &mut sides);
+    sliding.push([n, t[0], t[1]], pushed, &masses, &mut sides);
     sides.scatter(simd, velocities, &block.body_a, &block.body_b);
 }
 
@@ -70,6 +70,8 @@ fn solve_normals<S: Simd, const N: usize>(
         lambda[i] = load(simd, &block.points[i].lambda);
     }
     let old = lambda;
+    // One point alone is solved by the first.
+    let passes = if many::<N>(block.size) == 1 { 1 } else { passes };
     for _ in 0..passes {
         for i in 0..many::<N>(block.size) {
             let next = positive(simd, lambda[i] - w[i] * load(simd, &block.points[i].effective_mass));
@@ -158,7 +160,7 @@ fn inspect_points<S: Simd, const N: usize>(
     let n = V3::load(simd, &block.normal);
     let t = unit_tangents(simd, n);
     let sides = Sides::gather(simd, velocities, &block.body_a, &block.body_b);
-    let relative = sides.relative(load(simd, &block.root_a), load(simd, &block.root_b));
+    let relative = sides.relative();
     let mu = load(simd, &block.friction);
     let (zero, one, half) = (splat(simd, 0.0), splat(simd, 1.0), splat(simd, 0.5));
     let mut unrest = Unrest { residual: zero, energy: zero };

@@ -129,11 +129,10 @@ fn look_ahead<S: Simd>(simd: S, block: &mut JointBlock, at: &Poses<S>, aim: &Aim
     of_a.minus(of_b).times(splat(simd, 0.5 * aim.h)).store(&mut block.arc);
 }
 
-/// J'J'ᵀ = L D Lᵀ of the point; `diagonals` and `beside` (10, 20, 21) are what rotations add to it.
+/// J M⁻¹Jᵀ = L D Lᵀ of the point; `diagonals` and `beside` (10, 20, 21) are what rotations add to it.
 #[inline(always)]
 fn factor<S: Simd>(simd: S, block: &mut JointBlock, diagonals: &[V3<S>; 2], beside: V3<S>) {
-    let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
-    let mass = root_a * root_a + root_b * root_b;
+    let mass = load(simd, &block.inverse_mass[0]) + load(simd, &block.inverse_mass[1]);
     let [a, b] = diagonals;
     let (k00, k11, k22) = (mass + a.x + b.x, mass + a.y + b.y, mass + a.z + b.z);
     let (k10, k20, k21) = (beside.x, beside.y, beside.z);

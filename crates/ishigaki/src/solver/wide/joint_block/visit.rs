@@ -5,7 +5,7 @@ use crate::solver::wide::lanes::{Lane, Lane3, Record, Sides, Symmetric, V3, inve
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 
-/// Part of J'J'ᵀ below which a joint leaves a limit nothing but rounding: `reference.rs`.
+/// Part of J M⁻¹Jᵀ below which a joint leaves a limit nothing but rounding: `reference.rs`.
 const LEAST_FREE: f32 = 1e-4;
 
 /// One visit to eight joints.
@@ -77,10 +77,9 @@ fn substitute<S: Simd>(simd: S, block: &JointBlock, w: [f32x8<S>; 3]) -> [f32x8<
 /// −Δλ = K⁻¹(J'u' + bias) of the point.
 #[inline(always)]
 fn step_of_point<S: Simd>(simd: S, block: &JointBlock, sides: &Sides<S>, pass: &JointPass) -> [f32x8<S>; 3] {
-    let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
-    let relative = sides.relative(root_a, root_b);
-    let gap = V3::load(simd, &block.gap).times(splat(simd, pass.recovery));
-    let bias = gap.plus(V3::load(simd, &block.arc).times(splat(simd, pass.arc)));
+    let relative = sides.relative();
+    let (wanted, part) = if pass.by_pose { (&block.gap, pass.recovery) } else { (&block.arc, pass.arc) };
+    let bias = V3::load(simd, wanted).times(splat(simd, part));
     let turned = turned(simd, block, sides.angular_a, sides.angular_b);
     let w = [relative.x + bias.x + turned[0], relative.y + bias.y + turned[1], relative.z + bias.z + turned[2]];
     substitute(simd, block, w)
@@ -119,10 +118,10 @@ fn turned<S: Simd>(simd: S, block: &JointBlock, of_a: V3<S>, of_b: V3<S>) -> [f3
 /// u' += J'ᵀλ of the point.
 #[inline(always)]
 fn push_point<S: Simd>(simd: S, block: &JointBlock, sides: &mut Sides<S>, lambda: [f32x8<S>; 3]) {
-    let (root_a, root_b) = (load(simd, &block.root[0]), load(simd, &block.root[1]));
+    let (mass_a, mass_b) = (load(simd, &block.inverse_mass[0]), load(simd, &block.inverse_mass[1]));
     let impulse = V3 { x: lambda[0], y: lambda[1], z: lambda[2] };
-    sides.linear_a = sides.linear_a.plus(impulse.times(root_a));
-    sides.linear_b = sides.linear_b.minus(impulse.times(root_b));
+    sides.linear_a = sides.linear_a.plus(impulse.times(mass_a));
+    sides.linear_b = sides.linear_b.minus(impulse.times(mass_b));
     if block.is_round {
         let (arm_a, arm_b) = (V3::load(simd, &block.angular[0][0]), V3::load(simd, &block.angular[1][0]));
         sides.angular_a = pushed_round(sides.angular_a, arm_a, impulse);
@@ -182,7 +181,7 @@ fn visit_end<S: Simd>(
     solve_point(simd, block, sides, pass, active);
 }
 
-/// 1/(J'J'ᵀ) of a range's row with what the point leaves free.
+/// 1/(J M⁻¹Jᵀ) of a range's row with what the point leaves free.
 #[inline(always)]
 fn find_free_mass<S: Simd>(simd: S, block: &JointBlock, range: &mut RangeLanes) {
     let (a, b) = (V3::load(simd, &range.angular[0]), V3::load(simd, &range.angular[1]));
