@@ -113,31 +113,41 @@ impl BoxTest {
         Self { half_a, half_b, turn, center: b_in_a.translation, cosines, magnitudes }
     }
 
-    /// The six axes of faces, each with the face that looks at the other box.
+    /// The six axes of faces, each with the face that looks at the other box. One by one: left to a closure, whether the
+    /// compiler unrolls them depends on edits far away.
     fn faces(&self) -> [Axis; 6] {
-        let axes = [self.turn.x_axis, self.turn.y_axis, self.turn.z_axis];
-        let (center, half_a, half_b) = (self.center.to_array(), self.half_a.to_array(), self.half_b.to_array());
-        std::array::from_fn(|face| {
-            let k = face % 3;
-            if face < 3 {
-                let positive = center[k] >= 0.0;
-                let sign = if positive { 1.0 } else { -1.0 };
-                Axis {
-                    source: Source::FaceA(box_face(k, positive) as u32),
-                    direction: sign * Vec3::AXES[k],
-                    separation: center[k].abs() - half_a[k] - self.half_b.dot(Vec3::from_array(self.magnitudes[k])),
-                }
-            } else {
-                let along = self.center.dot(axes[k]);
-                let positive = along < 0.0;
-                let sign = if positive { -1.0 } else { 1.0 };
-                Axis {
-                    source: Source::FaceB(box_face(k, positive) as u32),
-                    direction: sign * axes[k],
-                    separation: along.abs() - half_b[k] - self.half_a.dot(axes[k].abs()),
-                }
-            }
-        })
+        [
+            self.face_of_a(0),
+            self.face_of_a(1),
+            self.face_of_a(2),
+            self.face_of_b(0),
+            self.face_of_b(1),
+            self.face_of_b(2),
+        ]
+    }
+
+    #[inline(always)]
+    fn face_of_a(&self, k: usize) -> Axis {
+        let positive = self.center[k] >= 0.0;
+        let sign = if positive { 1.0 } else { -1.0 };
+        Axis {
+            source: Source::FaceA(box_face(k, positive) as u32),
+            direction: sign * Vec3::AXES[k],
+            separation: self.center[k].abs() - self.half_a[k] - self.half_b.dot(Vec3::from_array(self.magnitudes[k])),
+        }
+    }
+
+    #[inline(always)]
+    fn face_of_b(&self, k: usize) -> Axis {
+        let axis = self.turn.col(k);
+        let along = self.center.dot(axis);
+        let positive = along < 0.0;
+        let sign = if positive { -1.0 } else { 1.0 };
+        Axis {
+            source: Source::FaceB(box_face(k, positive) as u32),
+            direction: sign * axis,
+            separation: along.abs() - self.half_b[k] - self.half_a.dot(axis.abs()),
+        }
     }
 
     /// The cross products of edges: center · (eᵢ × uⱼ), and its magnitude less what both boxes reach, by 3 i + j.

@@ -140,6 +140,7 @@ fn clip_by_side(ring: &mut Ring, k: usize, outward: f32, offset: f32, side: u32)
 }
 
 /// The points over a face as those of A and B, in the frame of A.
+#[inline(always)]
 pub(crate) fn face_points(
     (half_a, half_b): (Vec3, Vec3),
     (turn, center): (Mat3, Vec3),

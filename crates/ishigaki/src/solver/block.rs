@@ -106,9 +106,9 @@ impl Block {
         if i.max(j) >= self.axes as usize {
             return inner(&row.jacobian, &other.response);
         }
-        let (j, r) = (&row.jacobian, &other.response);
-        let linear = if std::ptr::eq(row, other) { r.linear_a[i] - r.linear_b[i] } else { 0.0 };
-        linear + j.angular_a.dot(r.angular_a) + j.angular_b.dot(r.angular_b)
+        let (jacobian, r) = (&row.jacobian, &other.response);
+        let linear = if i == j { r.linear_a[i] - r.linear_b[i] } else { 0.0 };
+        linear + jacobian.angular_a.dot(r.angular_a) + jacobian.angular_b.dot(r.angular_b)
     }
 
     /// The part of J M⁻¹J'ᵀ of its row `i` and row `j` of another block that runs through one body: the A or B of each.
@@ -280,6 +280,55 @@ mod tests {
         solve_once(&mut rows, &mut bodies);
         for row in &rows {
             assert!(row.velocity(&bodies).abs() < 1e-4, "{}", row.velocity(&bodies));
+        }
+    }
+
+    #[test]
+    fn a_point_does_what_its_rows_do() {
+        let mut bodies = bob();
+        let arm = Vec3::new(-0.2, 0.7, 0.1);
+        bodies.push(SolverBody {
+            velocity: Vec3::new(-1.5, 0.2, 0.4),
+            angular_velocity: Vec3::new(0.3, -2.0, 1.0),
+            inverse_mass: Vec3::new(0.25, 0.0, 0.25),
+            inverse_inertia: Mat3::from_diagonal(Vec3::new(2.0, 3.0, 5.0)),
+            ..SolverBody::GROUND
+        });
+        let spec =
+            |axis: Vec3, bias: f32| RowSpec::equality(Jacobian::point(axis, arm, Vec3::new(0.6, -0.5, 0.4)), bias);
+        let axis = Vec3::new(0.6, 0.8, 0.0);
+        let specs = [
+            spec(Vec3::X, 0.1),
+            spec(Vec3::Y, -0.2),
+            spec(Vec3::Z, 0.3),
+            RowSpec::equality(Jacobian::rotation(axis), 0.4),
+        ];
+        let mut rows: Vec<Row> = specs.iter().map(|spec| Row::of_joint(spec, 1, 2, 0.7)).collect();
+        let mut blocks = Vec::new();
+        gather(0, &mut rows, &mut blocks);
+        let point = blocks[0];
+        let general = Block { axes: 0, ..point };
+        assert_eq!((point.count, point.axes), (4, 3));
+
+        let mut by_rows = rows.clone();
+        point.weigh(&mut rows, &bodies);
+        general.weigh(&mut by_rows, &bodies);
+        for (row, other) in rows.iter().zip(&by_rows) {
+            assert_eq!(row.response, other.response);
+        }
+        for (i, j) in (0..4).flat_map(|i| (0..4).map(move |j| (i, j))) {
+            assert_eq!(point.inner(i, j, &rows), general.inner(i, j, &rows), "{i} {j}");
+            for (is_a, other_is_a) in [(true, true), (true, false), (false, true), (false, false)] {
+                let inner = |block: &Block| block.inner_at(i, is_a, block, j, other_is_a, &rows);
+                assert_eq!(inner(&point), inner(&general), "{i} {j} {is_a} {other_is_a}");
+            }
+        }
+        assert_eq!(point.velocities(&rows, &bodies), general.velocities(&rows, &bodies));
+        let mut others = bodies.clone();
+        point.push_all(&rows, &mut bodies);
+        general.push_all(&rows, &mut others);
+        for (body, other) in bodies.iter().zip(&others) {
+            assert_eq!((body.velocity, body.angular_velocity), (other.velocity, other.angular_velocity));
         }
     }
 

@@ -42,7 +42,7 @@ impl Manifolds {
         let jacobians = if count == 1 { 18 + 27 } else { 27 + count * 27 };
         self.rows += 2 * jacobians + inner(count);
         self.warm_start += count * (9 + 6 + 3 * 6);
-        self.measures += 3 + count * (6 + 6);
+        self.measures += 3 + count * (6 + 5);
         self.looks += 9 + count * (3 * 6 + 8);
     }
 }

@@ -246,6 +246,8 @@ pub struct SweepPass {
     pub recovery: Recovery,
     /// Substep, s.
     pub h: f32,
+    /// 1/h, 1/s.
+    pub per_second: f32,
     /// Passes over the normals of a manifold.
     pub passes: u32,
     /// Impulses are carried over.
@@ -388,13 +390,13 @@ pub fn recover<S: Simd>(simd: S, block: &mut ContactBlock, pass: &SweepPass) {
 #[inline(always)]
 fn recover_points<S: Simd, const N: usize>(simd: S, block: &mut ContactBlock, pass: &SweepPass) {
     let deadband = deadband(simd, block, pass);
-    let (zero, h) = (splat(simd, 0.0), splat(simd, pass.h));
-    let (rate, fastest) = (splat(simd, pass.recovery.rate), splat(simd, pass.recovery.max_speed));
+    let (zero, per_second) = (splat(simd, 0.0), splat(simd, pass.per_second));
+    let (rate, fastest) = (splat(simd, pass.recovery.rate * pass.per_second), splat(simd, pass.recovery.max_speed));
     for p in &mut block.points[..many::<N>(block.size)] {
         let s = load(simd, &p.bias);
-        let push = rate * positive(simd, -s - splat(simd, pass.recovery.slop)) / h;
+        let push = rate * positive(simd, -s - splat(simd, pass.recovery.slop));
         let overlap = -push.simd_lt(fastest).select(push, fastest);
-        store(s.simd_gt(zero).select(gap_bias(simd, p, s, deadband, h), overlap), &mut p.bias);
+        store(s.simd_gt(zero).select(gap_bias(simd, p, s, deadband, per_second), overlap), &mut p.bias);
     }
 }
 
@@ -414,28 +416,28 @@ fn relax_points<S: Simd, const N: usize>(
     is_last: bool,
 ) {
     let deadband = deadband(simd, block, pass);
-    let (zero, h) = (splat(simd, 0.0), splat(simd, pass.h));
+    let (zero, per_second) = (splat(simd, 0.0), splat(simd, pass.per_second));
     for i in 0..many::<N>(block.size) {
         let (p, s) = (&mut block.points[i], load(simd, &separations[i]));
-        store(s.simd_gt(zero).select(gap_bias(simd, p, s, deadband, h), zero), &mut p.bias);
+        store(s.simd_gt(zero).select(gap_bias(simd, p, s, deadband, per_second), zero), &mut p.bias);
         if is_last {
             store(s, &mut p.separation);
         }
     }
 }
 
-/// Gaps up to this part of a substep's speed leave support as it is, m.
+/// Gaps that close at this speed leave support as it is, m/s.
 #[inline(always)]
 fn deadband<S: Simd>(simd: S, block: &ContactBlock, pass: &SweepPass) -> f32x8<S> {
     let bears = mask32x8::from_bitmask(simd, block.bears.into());
-    bears.select(splat(simd, pass.recovery.deadband), splat(simd, 0.0))
+    bears.select(splat(simd, pass.recovery.deadband * pass.per_second), splat(simd, 0.0))
 }
 
 /// The speed at which a gap `s` may close: `penetration_recovery.rs`.
 #[inline(always)]
-fn gap_bias<S: Simd>(simd: S, p: &PointLanes, s: f32x8<S>, deadband: f32x8<S>, h: f32x8<S>) -> f32x8<S> {
-    let borne = h * load(simd, &p.lambda) * load(simd, &p.k);
-    positive(simd, s - borne.simd_lt(deadband).select(borne, deadband)) / h
+fn gap_bias<S: Simd>(simd: S, p: &PointLanes, s: f32x8<S>, deadband: f32x8<S>, per_second: f32x8<S>) -> f32x8<S> {
+    let borne = load(simd, &p.lambda) * load(simd, &p.k);
+    positive(simd, s * per_second - borne.simd_lt(deadband).select(borne, deadband))
 }
 
 /// The end of a substep: λ adds to the sums, and the separations are those of the next.

@@ -50,6 +50,7 @@ impl World {
         let pass = SweepPass {
             recovery: Recovery::new(&solver.penetration_recovery, slop::depth(&solver.slop, scale), scale),
             h,
+            per_second: 1.0 / h,
             passes: manifold_block::passes(&solver.manifold_block).unwrap_or(1),
             warm: solver.warm_start.enabled,
         };
