@@ -247,12 +247,6 @@ impl Movers {
         (&self.blocks[index / LANES], index % LANES)
     }
 
-    /// 1/m of the body with this record, 1/kg; 0 for the ground.
-    pub fn inverse_mass(&self, record: u32) -> f32 {
-        let (block, lane) = self.at(record);
-        block.inverse_mass[lane]
-    }
-
     /// Whether all moments of inertia of the body with this record are the same; nor does the ground turn.
     pub fn is_round(&self, record: u32) -> bool {
         let (block, lane) = self.at(record);
