@@ -17,6 +17,8 @@ pub struct SolverOptions {
     pub relax_sweeps: u32,
     /// More sweeps or substeps where jointed bodies touch or hang in loops, fewer where they do neither.
     pub jointed: Jointed,
+    /// Joints that are solved one by one step farther than each alone asks for.
+    pub over_relaxation: OverRelaxation,
     /// How overlap is pushed out. TALK D1.
     pub penetration_recovery: PenetrationRecovery,
     /// How joint errors are pulled back. TALK B9.
@@ -56,6 +58,7 @@ impl Default for SolverOptions {
             sweeps: 1,
             relax_sweeps: 1,
             jointed: Jointed::default(),
+            over_relaxation: OverRelaxation::default(),
             penetration_recovery: PenetrationRecovery::default(),
             joint_recovery: JointRecovery::default(),
             slop: Slop::default(),
@@ -81,6 +84,7 @@ impl SolverOptions {
         let mut options =
             Self { substeps: 1, sweeps: 10, relax_sweeps: 0, permutation: Permutation::None, ..Self::default() };
         options.jointed = Jointed::ALIKE;
+        options.over_relaxation.enabled = false;
         options.penetration_recovery.enabled = false;
         options.slop.enabled = false;
         options.warm_start.enabled = false;
@@ -101,6 +105,7 @@ impl SolverOptions {
             sweeps: 10,
             relax_sweeps: 0,
             jointed: Jointed::ALIKE,
+            over_relaxation: OverRelaxation { enabled: false, ..OverRelaxation::default() },
             permutation: Permutation::PerSweep,
             manifold_block: ManifoldBlock { enabled: false, ..ManifoldBlock::default() },
             level_correction: LevelCorrection { enabled: false },
@@ -122,20 +127,41 @@ pub struct Jointed {
     /// This many times `substeps`, where bodies of other than ball joints touch something or hang in loops: rows of hinges
     /// are worse conditioned, and those of a closed linkage say the same twice.
     pub substeps: u32,
-    /// This many times `sweeps`, where bodies of ball joints do.
+    /// This many times `sweeps`, where bodies of ball joints touch something.
     pub sweeps: u32,
+    /// There, after the last sweep before the motion, the points of joints alone are visited so many times more, back and
+    /// forth: what is left undone of them is a gap when bodies move.
+    pub passes: u32,
     /// Chains and trees that are solved at once and touch nothing: `substeps` divided by this, one at least.
     pub free_divisor: u32,
 }
 
 impl Jointed {
     /// As without joints.
-    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, free_divisor: 1 };
+    pub const ALIKE: Self = Self { substeps: 1, sweeps: 1, passes: 0, free_divisor: 1 };
 }
 
 impl Default for Jointed {
     fn default() -> Self {
-        Self { substeps: 2, sweeps: 2, free_divisor: 2 }
+        Self { substeps: 2, sweeps: 2, passes: 1, free_divisor: 2 }
+    }
+}
+
+/// Successive over-relaxation: in the sweeps after the motion, joints that are solved one by one and touch nothing step
+/// `factor` times as far as each alone asks for. Young 1954.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct OverRelaxation {
+    /// On or off.
+    pub enabled: bool,
+    /// ω in [1, 2); 1 is Gauss–Seidel.
+    pub factor: f32,
+}
+
+impl Default for OverRelaxation {
+    fn default() -> Self {
+        Self { enabled: true, factor: 1.6 }
     }
 }
 
@@ -158,8 +184,8 @@ impl Default for PenetrationRecovery {
     }
 }
 
-/// Take joint errors back by `rate` of them per substep. TALK B9: k θ_err/Δt; where joints
-/// are solved in turn with contacts, by poses alone.
+/// Take joint errors back: by `rate` of them per substep where they are solved exactly, TALK B9: k θ_err/Δt; where joints
+/// are solved one by one, by poses alone, `pose_rate` of them at the end of each step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -168,11 +194,13 @@ pub struct JointRecovery {
     pub enabled: bool,
     /// k: the part of the error taken back in one substep, in [0, 1].
     pub rate: f32,
+    /// k of the recovery by poses: the part taken back in a step, in [0, 1].
+    pub pose_rate: f32,
 }
 
 impl Default for JointRecovery {
     fn default() -> Self {
-        Self { enabled: true, rate: 0.3 }
+        Self { enabled: true, rate: 0.3, pose_rate: 0.6 }
     }
 }
 
@@ -399,12 +427,21 @@ impl SolverOptions {
         count("sweeps", self.sweeps, 0, 100_000)?;
         count("jointed.substeps", self.jointed.substeps, 1, 100)?;
         count("jointed.sweeps", self.jointed.sweeps, 1, 100)?;
+        count("jointed.passes", self.jointed.passes, 0, 1000)?;
         count("jointed.free_divisor", self.jointed.free_divisor, 1, 1000)?;
         count("relax_sweeps", self.relax_sweeps, 0, 100_000)?;
         count("restitution.passes", self.restitution.passes, 0, 10_000)?;
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;
         not_negative("penetration_recovery.max_speed", self.penetration_recovery.max_speed)?;
         fraction("joint_recovery.rate", self.joint_recovery.rate)?;
+        fraction("joint_recovery.pose_rate", self.joint_recovery.pose_rate)?;
+        let factor = self.over_relaxation.factor;
+        if !(1.0..2.0).contains(&factor) {
+            return Err(Error::invalid(
+                "over_relaxation.factor",
+                format!("must be ≥ 1 and < 2 (from 2 on sweeps diverge), is {factor}"),
+            ));
+        }
         not_negative("slop.depth", self.slop.depth)?;
         fraction("warm_start.factor", self.warm_start.factor)?;
         count("manifold_block.passes", self.manifold_block.passes, 1, 1000)?;

@@ -239,9 +239,14 @@ impl Block {
 
     /// Δλ = −K⁻¹ (J u + bias), u += M⁻¹Jᵀ Δλ.
     pub fn solve(&self, rows: &mut [Row], bodies: &mut [SolverBody]) {
+        self.step(1.0, rows, bodies);
+    }
+
+    /// The same, `factor` times as far.
+    pub fn step(&self, factor: f32, rows: &mut [Row], bodies: &mut [SolverBody]) {
         let mut x = self.velocities(rows, bodies);
         self.substitute(&mut x);
-        self.add(&x.map(|x| -x), rows, bodies);
+        self.add(&x.map(|x| -(factor * x)), rows, bodies);
     }
 }
 

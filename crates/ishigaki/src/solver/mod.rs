@@ -9,6 +9,7 @@ pub mod joint_recovery;
 pub mod joint_tree;
 pub mod level_correction;
 pub mod manifold_block;
+pub mod over_relaxation;
 pub mod penetration_recovery;
 pub mod permutation;
 pub mod plan;

@@ -20,7 +20,7 @@ use crate::solver::manifold_block::{self, ManifoldBlock};
 use crate::solver::reference::Unit;
 use crate::solver::table::{MassScale, Row, SolverBody};
 use crate::solver::wide::Wide;
-use crate::solver::{shock_propagation, weight_amplification, work};
+use crate::solver::{over_relaxation, shock_propagation, weight_amplification, work};
 use crate::union_find::{root, unite};
 use crate::world::World;
 
@@ -40,6 +40,10 @@ pub struct Plan {
     pub substeps: u32,
     /// Sweeps with recovery in each.
     pub sweeps: u32,
+    /// Visits to the equality rows of joints alone after them, back and forth.
+    pub joint_passes: u32,
+    /// ω of joints in the sweeps after the motion.
+    pub over_relaxation: f32,
     /// Relax sweeps in each.
     pub relax_sweeps: u32,
     /// Impulses are stored for a substep of the options: this many times those of a substep here.
@@ -76,6 +80,8 @@ pub struct Plan {
     pub tree_work: u64,
     /// Multiply-adds of a warm start.
     pub push_work: u64,
+    /// Multiply-adds of a sweep over the equality rows of joints.
+    pub hard_work: u64,
     /// Multiply-adds of a sweep over what joint recovery visits.
     pub recovery_work: u64,
     /// Impulses of joints while these recover.
@@ -150,13 +156,18 @@ impl World {
         let solver = &self.options.solver;
         let found = self.find_jointed(plan);
         let touches = |link: &Link| link.meets() && link.bodies.iter().any(|&b| plan.is_jointed[b as usize]);
-        let is_swept = found.any && (found.loops || self.scratch.links.iter().any(touches));
+        let touches = found.any && self.scratch.links.iter().any(touches);
         (plan.substeps, plan.sweeps, plan.relax_sweeps) = (solver.substeps, solver.sweeps, solver.relax_sweeps);
-        match (found.any, is_swept) {
-            (false, _) => {}
-            (true, true) if found.all_balls => plan.sweeps *= solver.jointed.sweeps,
-            (true, true) => plan.substeps *= solver.jointed.substeps,
-            (true, false) => plan.substeps = (solver.substeps / solver.jointed.free_divisor).max(1),
+        (plan.joint_passes, plan.over_relaxation) = (0, over_relaxation::factor(&solver.over_relaxation, touches));
+        match (touches, found.loops) {
+            _ if !found.any => {}
+            (true, _) if found.all_balls => {
+                plan.sweeps *= solver.jointed.sweeps;
+                plan.joint_passes = solver.jointed.passes;
+            }
+            (false, true) if found.all_balls => {}
+            (true, _) | (false, true) => plan.substeps *= solver.jointed.substeps,
+            (false, false) => plan.substeps = (solver.substeps / solver.jointed.free_divisor).max(1),
         }
         plan.share = plan.substeps as f32 / solver.substeps as f32;
     }
@@ -295,9 +306,15 @@ impl World {
         if options.enabled { change * options.factor } else { 0.0 }
     }
 
+    /// What rows of joints are told of a substep of `h` seconds.
     pub(crate) fn joint_step(&self, h: f32) -> JointStep {
         let recovery = &self.options.solver.joint_recovery;
         JointStep { h, recovery_rate: if recovery.enabled { recovery.rate } else { 0.0 } }
+    }
+
+    /// The same for the recovery by poses, which takes errors of a whole step.
+    pub(crate) fn pose_step(&self, h: f32) -> JointStep {
+        JointStep { recovery_rate: self.options.solver.joint_recovery.pose_rate, ..self.joint_step(h) }
     }
 }
 
@@ -378,6 +395,8 @@ fn count_work(plan: &mut Plan, options: &SolverOptions) {
     plan.sweep_work = plan.units.iter().map(|&unit| unit_work(plan, unit, passes)).sum();
     let recovered = plan.units.iter().filter(|&&unit| is_recovered(unit, plan));
     plan.recovery_work = recovered.map(|&unit| unit_work(plan, unit, passes)).sum();
+    let hard = plan.units.iter().filter(|&&unit| plan.is_hard(unit));
+    plan.hard_work = hard.map(|&unit| unit_work(plan, unit, passes)).sum();
     let (mut rows, mut in_blocks) = (0, 0);
     (plan.push_work, plan.block_work) = (0, 0);
     for block in &plan.blocks {
@@ -422,6 +441,15 @@ fn row_work(plan: &Plan, row: u32) -> u64 {
 }
 
 impl Plan {
+    /// Whether a unit is equality rows of joints.
+    pub fn is_hard(&self, unit: Unit) -> bool {
+        match unit {
+            Unit::Row(row) => matches!(self.rows[row as usize].coupling, Coupling::Block(_)),
+            Unit::Manifold(_) => false,
+            Unit::Tree(_) => true,
+        }
+    }
+
     /// Rows of joints: they come first.
     pub fn joint_rows(&self) -> usize {
         self.joints.last().map_or(0, |j| (j.first + j.count) as usize)

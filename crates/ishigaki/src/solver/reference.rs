@@ -28,6 +28,31 @@ pub fn sweep(plan: &mut Plan, passes: u32) {
     }
 }
 
+/// The same with over-relaxation of the joints that are solved one by one: `over_relaxation.rs`.
+pub fn sweep_over_relaxed(plan: &mut Plan, passes: u32, factor: f32) {
+    for k in 0..plan.units.len() {
+        match plan.units[k] {
+            Unit::Row(row) => match plan.rows[row as usize].coupling {
+                Coupling::Block(index) if plan.rows[row as usize].by_pose => {
+                    plan.blocks[index as usize].step(factor, &mut plan.rows, &mut plan.bodies);
+                }
+                _ => visit(plan.units[k], plan, passes),
+            },
+            unit => visit(unit, plan, passes),
+        }
+    }
+}
+
+/// Visits the equality rows of joints alone, back and forth.
+pub fn revisit_joints(plan: &mut Plan) {
+    let count = plan.units.len();
+    for k in (0..count).rev().chain(0..count) {
+        if plan.is_hard(plan.units[k]) {
+            visit(plan.units[k], plan, 1);
+        }
+    }
+}
+
 /// The same without manifolds whose impulses are found; the multiply-adds that this saved.
 pub fn sweep_restless(plan: &mut Plan, passes: u32) -> u64 {
     let mut saved = 0;

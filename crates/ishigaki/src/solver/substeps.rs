@@ -11,7 +11,7 @@ use crate::body::{BodyState, unlocked};
 use crate::collision::link::Link;
 use crate::collision::manifold::Contact;
 use crate::constraint::contact;
-use crate::constraint::frame::BodyFrame;
+use crate::constraint::frame::{BodyFrame, JointStep};
 use crate::constraint::friction::Coupling;
 use crate::constraint::joint_rows::reaction;
 use crate::constraint::row::RowSpec;
@@ -62,7 +62,9 @@ impl World {
             self.report.work += self.weigh_turned(plan);
             self.turn_joint_rows(plan, h);
             self.report.work += factor_joints(plan);
-            self.recover_joints(plan, h);
+            if substep + 1 == plan.substeps {
+                self.recover_joints(plan, h);
+            }
         }
         if plan.relax_sweeps > 0 {
             self.relax(plan, h);
@@ -102,7 +104,7 @@ impl World {
     /// from before that: it moved no farther than its errors.
     fn refresh_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
-        self.for_joint_rows(plan, h, |row, spec| {
+        self.for_joint_rows(plan, self.joint_step(h), |row, spec| {
             if row.by_pose && spec.softness == 0.0 {
                 row.bias = row.relax_bias + 2.0 * row.arc;
                 return;
@@ -131,7 +133,7 @@ impl World {
     /// about the whole substep, and see the inertia as it is now.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
-        self.for_joint_rows(plan, h, |row, spec| {
+        self.for_joint_rows(plan, self.pose_step(h), |row, spec| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
                 let recovery = if row.by_pose { spec.bias - spec.arc } else { spec.relax_bias };
@@ -153,8 +155,7 @@ impl World {
     }
 
     /// Calls `edit` for each joint row with what its joint asks for at the poses as they are.
-    fn for_joint_rows(&mut self, plan: &mut Plan, h: f32, mut edit: impl FnMut(&mut Row, &RowSpec)) {
-        let step = self.joint_step(h);
+    fn for_joint_rows(&mut self, plan: &mut Plan, step: JointStep, mut edit: impl FnMut(&mut Row, &RowSpec)) {
         for rows in &plan.joints {
             let joint = self.joints.at_mut(rows.joint);
             let (a, b) = (joint.definition.body_a.index, joint.definition.body_b.index);
@@ -338,6 +339,10 @@ impl World {
                 self.report.residual_by_sweep.push(residual::residual(&plan.rows, &plan.blocks, &plan.bodies));
             }
         }
+        for _ in 0..plan.joint_passes {
+            reference::revisit_joints(plan);
+            self.report.work += 2 * plan.hard_work;
+        }
     }
 
     fn one_sweep(&mut self, plan: &mut Plan, sweep: u32) {
@@ -353,13 +358,17 @@ impl World {
             self.report.sweeps += 1;
             self.report.work += plan.sweep_work - saved;
         } else {
-            self.sweep_units(plan);
+            self.sweep_units(plan, sweep >= plan.sweeps);
         }
     }
 
-    fn sweep_units(&mut self, plan: &mut Plan) {
+    fn sweep_units(&mut self, plan: &mut Plan, is_relaxing: bool) {
         let passes = self.options.solver.manifold_block.passes;
-        reference::sweep(plan, passes);
+        if is_relaxing && plan.over_relaxation > 1.0 {
+            reference::sweep_over_relaxed(plan, passes, plan.over_relaxation);
+        } else {
+            reference::sweep(plan, passes);
+        }
         self.report.sweeps += 1;
         self.report.work += plan.sweep_work;
     }
@@ -387,7 +396,7 @@ impl World {
         for sweep in 0..plan.sweeps {
             permutation::before_sweep(self.options.solver.permutation, sweep, &mut self.random, &mut plan.units);
             shock_propagation::sort_upward(plan);
-            self.sweep_units(plan);
+            self.sweep_units(plan, false);
         }
         plan.units = order;
 

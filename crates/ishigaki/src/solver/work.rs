@@ -59,13 +59,15 @@ pub const fn reweighing(count: u64) -> u64 {
 }
 
 /// A visit to the point of a ball joint in the wide path: the linear part of its rows is a unit vector each.
-pub const POINT: u64 = 2 * 9 + 3 + 9 + POINT_PUSH;
+pub const POINT: u64 = 2 * 9 + 9 + POINT_PUSH;
 /// u' += M'⁻¹J'ᵀλ of it.
 pub const POINT_PUSH: u64 = 2 * (3 + 9);
 /// A visit to the same of round bodies, whose rows are a vector product with the arm.
-pub const ROUND_POINT: u64 = 2 * 6 + 3 + 9 + ROUND_POINT_PUSH;
+pub const ROUND_POINT: u64 = 2 * 6 + 9 + ROUND_POINT_PUSH;
 /// u' += M'⁻¹J'ᵀλ of it.
 pub const ROUND_POINT_PUSH: u64 = 2 * (3 + 6);
+/// Part of its error that a recovery takes back, or its step times ω.
+pub const POINT_PART: u64 = 3;
 /// u' += M'⁻¹J'ᵀλ of a row there that turns its bodies only.
 pub const TURN_PUSH: u64 = 6 + 1;
 /// A visit to such a row.

@@ -127,8 +127,8 @@ pub struct Batch {
     pub scales: Vec<ScaleLanes>,
     /// Joints.
     pub joints: Joints,
-    /// Nothing holds or hits its trees of joints: they need fewer sweeps.
-    pub flies: bool,
+    /// Nothing touches its joints: nets, and trees that fly.
+    pub is_clear: bool,
     /// Islands.
     pub islands: Vec<IslandState>,
     /// Of each block and lane: energy that visits to its rows would take, J.

@@ -219,27 +219,43 @@ impl TurnLanes {
 pub struct JointPass {
     /// 1/h, 1/s.
     pub per_second: f32,
-    /// Part of the arcs that velocities meet: 1 before the motion, −1 after it, 0 in the recovery by poses.
-    pub arc: f32,
+    /// What velocities must meet.
+    pub aim: Target,
     /// β/h in the recovery by poses, else 0; 1/s.
     pub recovery: f32,
-    /// Impulses are those of the recovery by poses, which begin at 0 and are forgotten.
-    pub by_pose: bool,
+    /// A visit to the point goes this many times as far: `over_relaxation.rs`.
+    pub reach: f32,
+}
+
+/// What joints ask of velocities: `joint_recovery.rs`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// Before the motion: the chord that ends on the arc.
+    ChordToArc,
+    /// After it: the chord that leaves it.
+    ChordFromArc,
+    /// Part of the errors back, by impulses that begin at 0 and are forgotten.
+    Poses,
 }
 
 impl JointPass {
     /// Before the motion.
     pub fn velocity(h: f32) -> Self {
-        Self { per_second: 1.0 / h, arc: 1.0, recovery: 0.0, by_pose: false }
+        Self { per_second: 1.0 / h, aim: Target::ChordToArc, recovery: 0.0, reach: 1.0 }
     }
 
-    /// After the motion.
-    pub fn relax(h: f32) -> Self {
-        Self { arc: -1.0, ..Self::velocity(h) }
+    /// After the motion, with over-relaxation by `reach`.
+    pub fn relax(h: f32, reach: f32) -> Self {
+        Self { aim: Target::ChordFromArc, reach, ..Self::velocity(h) }
     }
 
     /// For the velocities that take the part `rate` of the errors back.
     pub fn recovery(h: f32, rate: f32) -> Self {
-        Self { recovery: rate / h, by_pose: true, arc: 0.0, ..Self::relax(h) }
+        Self { aim: Target::Poses, recovery: rate / h, ..Self::velocity(h) }
+    }
+
+    /// Whether impulses are those of the recovery by poses.
+    pub fn by_pose(&self) -> bool {
+        self.aim == Target::Poses
     }
 }

@@ -193,7 +193,8 @@ impl Part<'_> {
     pub fn turn_joints(&mut self, level: Level, poses: &[Record], h: f32, recovery: Option<&JointPass>) {
         let (blocks, turns) = (&mut *self.joints.blocks, &mut self.joints.turns);
         let aim = Aim { poses, roots: &*self.roots, spins: &*self.joints.spins, h };
-        let visits = JointVisits { aim: Some(&aim), pass: recovery, reversed: false, add_up: false };
+        let visits =
+            JointVisits { aim: Some(&aim), pass: recovery, reversed: false, add_up: false, points_alone: false };
         visit_all(level, blocks, turns, self.joints.pushes, visits);
     }
 
@@ -206,7 +207,14 @@ impl Part<'_> {
     /// A visit to each joint; with `add_up` λ is what the substep leaves.
     pub fn sweep_joints(&mut self, level: Level, pass: &JointPass, reversed: bool, add_up: bool) {
         let (blocks, turns) = (&mut *self.joints.blocks, &mut self.joints.turns);
-        let visits = JointVisits { aim: None, pass: Some(pass), reversed, add_up };
+        let visits = JointVisits { aim: None, pass: Some(pass), reversed, add_up, points_alone: false };
+        visit_all(level, blocks, turns, self.velocities, visits);
+    }
+
+    /// A visit to the point of each joint.
+    pub fn sweep_points(&mut self, level: Level, pass: &JointPass, reversed: bool) {
+        let (blocks, turns) = (&mut *self.joints.blocks, &mut self.joints.turns);
+        let visits = JointVisits { aim: None, pass: Some(pass), reversed, add_up: false, points_alone: true };
         visit_all(level, blocks, turns, self.velocities, visits);
     }
 
@@ -244,7 +252,8 @@ impl Part<'_> {
             let Some(turns) = self.joints.turns.of(block) else { continue };
             let (mut visited, mut turned) = ([*block], [*turns]);
             let mut of_visited = Turns { first: block.turns, lanes: &mut turned };
-            let visits = JointVisits { aim: None, pass: Some(pass), reversed: false, add_up: false };
+            let visits =
+                JointVisits { aim: None, pass: Some(pass), reversed: false, add_up: false, points_alone: false };
             visit_all(level, &mut visited, &mut of_visited, seen, visits);
             for &body in block.bodies.as_flattened() {
                 seen[body as usize] = velocities[body as usize];
@@ -293,6 +302,8 @@ struct JointVisits<'a> {
     reversed: bool,
     /// λ is what the substep leaves.
     add_up: bool,
+    /// Nothing of what is asked of rotations.
+    points_alone: bool,
 }
 
 /// A visit to each.
@@ -327,7 +338,8 @@ fn sweep<S: Simd, const REVERSED: bool>(
             kernel::turn(simd, block, turns.as_deref_mut(), aim);
         }
         if let Some(pass) = visits.pass {
-            kernel::visit::<S, REVERSED>(simd, block, turns.as_deref_mut(), records, pass);
+            let turns = turns.as_deref_mut().filter(|_| !visits.points_alone);
+            kernel::visit::<S, REVERSED>(simd, block, turns, records, pass);
         }
         if visits.add_up {
             kernel::add_up(simd, block, turns);

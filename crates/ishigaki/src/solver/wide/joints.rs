@@ -43,6 +43,10 @@ pub struct JointPlace {
 pub struct JointWork {
     /// Of a sweep.
     pub sweep: u64,
+    /// Of points alone in it.
+    pub points: u64,
+    /// Of over-relaxation in it.
+    pub reach: u64,
     /// Of a sweep of the recovery by poses.
     pub recovery: u64,
     /// Of a warm start.
@@ -279,7 +283,9 @@ impl JointWork {
                 self.warm_start += 6 * work::TURN_PUSH;
             }
         }
-        self.recovery += point + ends;
+        self.recovery += point + work::POINT_PART + ends;
+        self.reach += work::POINT_PART;
+        self.points += point;
         self.sweep += point + ends + drags;
         self.rows += rows + ranges;
     }
@@ -288,6 +294,8 @@ impl JointWork {
 impl std::ops::AddAssign for JointWork {
     fn add_assign(&mut self, other: Self) {
         self.sweep += other.sweep;
+        self.reach += other.reach;
+        self.points += other.points;
         self.recovery += other.recovery;
         self.warm_start += other.warm_start;
         self.rows += other.rows;

@@ -101,12 +101,12 @@ impl Wide {
     }
 
     /// Its number.
-    fn start_batch(&mut self, flies: bool) -> u32 {
+    fn start_batch(&mut self, is_clear: bool) -> u32 {
         if self.used == self.batches.len() {
             self.batches.push(Batch::default());
         }
         self.batches[self.used].clear();
-        self.batches[self.used].flies = flies;
+        self.batches[self.used].is_clear = is_clear;
         self.used += 1;
         self.used as u32 - 1
     }

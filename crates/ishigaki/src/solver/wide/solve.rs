@@ -6,6 +6,7 @@
 use crate::solver::hand_down::{self, HandDown};
 use crate::solver::level_correction::{self, CALM, QUIET};
 use crate::solver::manifold_block;
+use crate::solver::over_relaxation;
 use crate::solver::penetration_recovery::Recovery;
 use crate::solver::plan::Plan;
 use crate::solver::slop;
@@ -43,7 +44,8 @@ impl World {
         let solver = &self.options.solver;
         let (substeps, relax_sweeps, solver_substeps) = (batch.substeps, solver.relax_sweeps, solver.substeps);
         // One substep has the sweeps of all.
-        let of_joints = if batch.joints.is_empty() || batch.flies { 1 } else { solver.jointed.sweeps };
+        let touches = !batch.joints.is_empty() && !batch.is_clear;
+        let (of_joints, joint_passes) = if touches { (solver.jointed.sweeps, solver.jointed.passes) } else { (1, 0) };
         let sweeps = solver.sweeps * of_joints * (solver.substeps / substeps).max(1);
         let h = dt / substeps as f32;
         let scale = self.options.length_scale;
@@ -65,6 +67,7 @@ impl World {
         let work = batch.manifold_work(u64::from(pass.passes));
         batch.outcome.work += work.rows;
         let is_free = batch.blocks.is_empty() && batch.joints.is_empty();
+        let relaxing = JointPass::relax(h, over_relaxation::factor(&solver.over_relaxation, touches));
         aid.manifolds.clear();
         batch.aim_joints(machine, h, None);
         for substep in 0..substeps {
@@ -92,6 +95,10 @@ impl World {
                     let biases = if sweep == 0 && !looks { Biases::Recover } else { Biases::Keep };
                     batch.sweep(machine, &pass, &velocity, Visits { reversed: order.reversed, biases, add_up: false });
                 }
+                for _ in 0..joint_passes {
+                    batch.revisit_joints(machine, &velocity);
+                    batch.outcome.work += 2 * batch.joints.work.points;
+                }
                 if is_last && self.options.report.residual {
                     batch.outcome.residual = batch.residual(machine, &pass, &velocity);
                 }
@@ -100,14 +107,14 @@ impl World {
             if !is_free {
                 if !batch.joints.is_empty() {
                     batch.weigh(machine);
-                    self.recover_batch_joints(machine, batch, h);
+                    self.aim_or_recover_joints(machine, batch, h, is_last);
                 }
                 let relax = if is_last { Biases::RelaxLast } else { Biases::Relax };
                 for sweep in 0..relax_sweeps {
                     order.before(sweeps + sweep);
                     let biases = if sweep == 0 { relax } else { Biases::Keep };
                     let visits = Visits { reversed: order.reversed, biases, add_up: sweep + 1 == relax_sweeps };
-                    batch.sweep(machine, &pass, &JointPass::relax(h), visits);
+                    batch.sweep(machine, &pass, &relaxing, visits);
                 }
                 if relax_sweeps == 0 {
                     batch.leave(machine, &pass, relax);
@@ -117,8 +124,10 @@ impl World {
             if !pass.warm {
                 batch.forget();
             }
+            let of_joints = batch.joints.work;
+            let reach = if relaxing.reach > 1.0 { u64::from(relax_sweeps) * of_joints.reach } else { 0 };
             batch.outcome.work +=
-                u64::from(sweeps + relax_sweeps) * (work.visit + batch.joints.work.sweep) + work.measures;
+                u64::from(sweeps + relax_sweeps) * (work.visit + of_joints.sweep) + reach + work.measures;
         }
         batch.see_joints(machine);
         batch.outcome.work += std::mem::take(&mut aid.level_correction.work);
@@ -177,13 +186,13 @@ impl World {
         }
     }
 
-    /// Rows of joints for the poses after the motion, and the recovery of their errors.
-    fn recover_batch_joints(&self, machine: Machine<'_>, batch: &mut Batch, h: f32) {
+    /// Rows of joints for the poses after the motion, and at the end of the step the recovery of their errors.
+    fn aim_or_recover_joints(&self, machine: Machine<'_>, batch: &mut Batch, h: f32, is_last: bool) {
         let recovery = &self.options.solver.joint_recovery;
-        if !recovery.enabled {
+        if !(is_last && recovery.enabled) {
             return batch.aim_joints(machine, h, None);
         }
-        batch.aim_joints(machine, h, Some(&JointPass::recovery(h, recovery.rate)));
+        batch.aim_joints(machine, h, Some(&JointPass::recovery(h, recovery.pose_rate)));
         batch.each(machine, |part| part.shift(machine.level, h));
         batch.outcome.work += batch.joints.work.recovery;
     }
@@ -319,6 +328,13 @@ impl Batch {
         self.each_color(machine, visits.reversed, |part, blocks| part.sweep(level, pass, visits, blocks));
         if has_joints && !visits.reversed {
             self.each_joint(machine, false, sweep_joints);
+        }
+    }
+
+    /// Visits the points of joints alone, back and forth.
+    fn revisit_joints(&mut self, machine: Machine<'_>, pass: &JointPass) {
+        for reversed in [true, false] {
+            self.each_joint(machine, reversed, |part| part.sweep_points(machine.level, pass, reversed));
         }
     }
 

@@ -172,7 +172,7 @@ impl World {
         let is_root = |&island: &usize| wide.parents[island] == island as u32;
         let all: usize = (0..wide.parents.len()).filter(is_root).map(|island| wide.sizes[island] as usize + 1).sum();
         let enough = (all / BATCHES).clamp(LEAST, MOST);
-        // Islands with joints take sweeps of their own, and fewer where they fly.
+        // Islands with joints take sweeps of their own, and fewer where they touch nothing.
         let enough = [enough, MOST, MOST];
         let mut open = [(NONE, usize::MAX); 3];
         for island in 0..wide.parents.len() {
@@ -182,11 +182,11 @@ impl World {
             }
             if root == island {
                 let has_joints = wide.joint_counts[root] > 0;
-                let flies = wide.is_tree(root) && !wide.hangs[root];
-                let kind = usize::from(has_joints) + usize::from(flies);
+                let is_clear = has_joints && wide.sizes[root] == 0;
+                let kind = usize::from(has_joints) + usize::from(is_clear);
                 let (batch, size) = &mut open[kind];
                 if *size >= enough[kind] {
-                    (*batch, *size) = (wide.start_batch(flies), 0);
+                    (*batch, *size) = (wide.start_batch(is_clear), 0);
                 }
                 *size += wide.sizes[root] as usize + 1;
                 wide.batch_of_island[root] = *batch;

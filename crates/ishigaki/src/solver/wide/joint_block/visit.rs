@@ -1,6 +1,6 @@
 //! A visit to a block, in the order of its rows or against it.
 
-use super::{DAMPING, ENDS, FRICTION, JointBlock, JointPass, RangeLanes, TurnLanes};
+use super::{DAMPING, ENDS, FRICTION, JointBlock, JointPass, RangeLanes, Target, TurnLanes};
 use crate::solver::wide::lanes::{Lane, Lane3, Record, Sides, Symmetric, V3, inverse, load, positive, splat, store};
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
@@ -20,14 +20,9 @@ pub fn visit<S: Simd, const REVERSED: bool>(
     let mut sides = Sides::gather(simd, records, &block.bodies[0], &block.bodies[1]);
     match turns {
         Some(turns) => visit_rows::<S, REVERSED>(simd, block, turns, &mut sides, pass),
-        None => solve_point(simd, block, &mut sides, pass, everywhere(simd)),
+        None => solve_point(simd, block, &mut sides, pass),
     }
     sides.scatter(simd, records, &block.bodies[0], &block.bodies[1]);
-}
-
-#[inline(always)]
-fn everywhere<S: Simd>(simd: S) -> mask32x8<S> {
-    splat(simd, 1.0).simd_gt(splat(simd, 0.0))
 }
 
 #[inline(always)]
@@ -38,9 +33,9 @@ fn visit_rows<S: Simd, const REVERSED: bool>(
     sides: &mut Sides<S>,
     pass: &JointPass,
 ) {
-    let drags = turns.parts.drags && !pass.by_pose;
+    let drags = turns.parts.drags && !pass.by_pose();
     if REVERSED {
-        solve_point(simd, block, sides, pass, everywhere(simd));
+        solve_point(simd, block, sides, pass);
     } else if drags {
         for drag in [FRICTION, DAMPING] {
             visit_drag::<S, false>(simd, turns, drag, sides);
@@ -53,7 +48,7 @@ fn visit_rows<S: Simd, const REVERSED: bool>(
         }
     }
     if !REVERSED {
-        solve_point(simd, block, sides, pass, everywhere(simd));
+        solve_point(simd, block, sides, pass);
     } else if drags {
         for drag in [DAMPING, FRICTION] {
             visit_drag::<S, true>(simd, turns, drag, sides);
@@ -61,38 +56,68 @@ fn visit_rows<S: Simd, const REVERSED: bool>(
     }
 }
 
-/// x = K⁻¹ w of the point.
+/// x = K⁻¹ w of the point, D⁻¹ given.
 #[inline(always)]
-fn substitute<S: Simd>(simd: S, block: &JointBlock, w: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+fn substitute<S: Simd>(simd: S, block: &JointBlock, inverse_pivots: V3<S>, w: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
     let l10 = load(simd, &block.lower[0]);
     let (l20, l21) = (load(simd, &block.lower[1]), load(simd, &block.lower[2]));
     let y1 = w[1] - l10 * w[0];
     let y2 = w[2] - (l20 * w[0] + l21 * y1);
-    let x2 = y2 * load(simd, &block.inverse_pivots[2]);
-    let x1 = y1 * load(simd, &block.inverse_pivots[1]) - l21 * x2;
-    let x0 = w[0] * load(simd, &block.inverse_pivots[0]) - (l10 * x1 + l20 * x2);
+    let x2 = y2 * inverse_pivots.z;
+    let x1 = y1 * inverse_pivots.y - l21 * x2;
+    let x0 = w[0] * inverse_pivots.x - (l10 * x1 + l20 * x2);
     [x0, x1, x2]
 }
 
-/// −Δλ = K⁻¹(J'u' + bias) of the point.
+/// −Δλ = ωK⁻¹(J'u' + bias) of the point.
 #[inline(always)]
-fn step_of_point<S: Simd>(simd: S, block: &JointBlock, sides: &Sides<S>, pass: &JointPass) -> [f32x8<S>; 3] {
+fn step_of_point<S: Simd>(
+    simd: S,
+    block: &JointBlock,
+    sides: &Sides<S>,
+    pass: &JointPass,
+    reach: f32,
+) -> [f32x8<S>; 3] {
     let relative = sides.relative();
-    let (wanted, part) = if pass.by_pose { (&block.gap, pass.recovery) } else { (&block.arc, pass.arc) };
-    let bias = V3::load(simd, wanted).times(splat(simd, part));
+    let moved = match pass.aim {
+        Target::ChordToArc => relative.plus(V3::load(simd, &block.arc)),
+        Target::ChordFromArc => relative.minus(V3::load(simd, &block.arc)),
+        Target::Poses => relative.plus(V3::load(simd, &block.gap).times(splat(simd, pass.recovery))),
+    };
     let turned = turned(simd, block, sides.angular_a, sides.angular_b);
-    let w = [relative.x + bias.x + turned[0], relative.y + bias.y + turned[1], relative.z + bias.z + turned[2]];
-    substitute(simd, block, w)
+    let mut inverse_pivots = V3::load(simd, &block.inverse_pivots);
+    if reach != 1.0 {
+        // As good as ω times the solution, and done while that waits for w.
+        inverse_pivots = inverse_pivots.times(splat(simd, reach));
+    }
+    substitute(simd, block, inverse_pivots, [moved.x + turned[0], moved.y + turned[1], moved.z + turned[2]])
 }
 
-/// Δλ, u' += J'ᵀΔλ, where `wanted`.
+/// Δλ, u' += J'ᵀΔλ.
 #[inline(always)]
-fn solve_point<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, pass: &JointPass, wanted: mask32x8<S>) {
-    let x = step_of_point(simd, block, sides, pass);
+fn solve_point<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, pass: &JointPass) {
+    let x = step_of_point(simd, block, sides, pass, pass.reach);
+    take_step(simd, block, sides, pass, x);
+}
+
+/// The same where `wanted`, without over-relaxation.
+#[inline(always)]
+fn solve_point_where<S: Simd>(
+    simd: S,
+    block: &mut JointBlock,
+    sides: &mut Sides<S>,
+    pass: &JointPass,
+    wanted: mask32x8<S>,
+) {
+    let [x, y, z] = step_of_point(simd, block, sides, pass, 1.0);
     let zero = splat(simd, 0.0);
-    let x = [wanted.select(x[0], zero), wanted.select(x[1], zero), wanted.select(x[2], zero)];
+    take_step(simd, block, sides, pass, [wanted.select(x, zero), wanted.select(y, zero), wanted.select(z, zero)]);
+}
+
+#[inline(always)]
+fn take_step<S: Simd>(simd: S, block: &mut JointBlock, sides: &mut Sides<S>, pass: &JointPass, x: [f32x8<S>; 3]) {
     push_point(simd, block, sides, [-x[0], -x[1], -x[2]]);
-    if !pass.by_pose {
+    if !pass.by_pose() {
         for k in 0..3 {
             store(load(simd, &block.lambda[k]) - x[k], &mut block.lambda[k]);
         }
@@ -164,7 +189,7 @@ fn visit_end<S: Simd>(
     let back = inside.select(zero, c) * load(simd, &range.trust) * splat(simd, pass.recovery);
     let bias = inside.select(c * splat(simd, pass.per_second), back);
     let w = sign * (a.dot(sides.angular_a) + b.dot(sides.angular_b)) + bias;
-    let lambda = load(simd, if pass.by_pose { &range.pushed[end] } else { &range.lambda[end] });
+    let lambda = load(simd, if pass.by_pose() { &range.pushed[end] } else { &range.lambda[end] });
     let active = lambda.simd_gt(zero) | w.simd_lt(zero);
     if !active.any_true() {
         return;
@@ -174,11 +199,11 @@ fn visit_end<S: Simd>(
     }
     let next = positive(simd, lambda - active.select(w, zero) * load(simd, &range.free_mass));
     let change = active.select(next - lambda, zero);
-    store(lambda + change, if pass.by_pose { &mut range.pushed[end] } else { &mut range.lambda[end] });
+    store(lambda + change, if pass.by_pose() { &mut range.pushed[end] } else { &mut range.lambda[end] });
     let push = sign * change;
     sides.angular_a = sides.angular_a.plus(a.times(push));
     sides.angular_b = sides.angular_b.plus(b.times(push));
-    solve_point(simd, block, sides, pass, active);
+    solve_point_where(simd, block, sides, pass, active);
 }
 
 /// 1/(J M⁻¹Jᵀ) of a range's row with what the point leaves free.
@@ -186,7 +211,7 @@ fn visit_end<S: Simd>(
 fn find_free_mass<S: Simd>(simd: S, block: &JointBlock, range: &mut RangeLanes) {
     let (a, b) = (V3::load(simd, &range.angular[0]), V3::load(simd, &range.angular[1]));
     let coupling = turned(simd, block, a, b);
-    let x = substitute(simd, block, coupling);
+    let x = substitute(simd, block, V3::load(simd, &block.inverse_pivots), coupling);
     let k = load(simd, &range.k);
     let free = k - (coupling[0] * x[0] + coupling[1] * x[1] + coupling[2] * x[2]);
     let is_free = free.simd_gt(splat(simd, LEAST_FREE) * k);
@@ -289,7 +314,7 @@ pub fn change_of_point<S: Simd>(
 ) -> f32x8<S> {
     let sides = Sides::gather(simd, velocities, &block.bodies[0], &block.bodies[1]);
     let mut greatest = least;
-    for x in step_of_point(simd, block, &sides, pass) {
+    for x in step_of_point(simd, block, &sides, pass, pass.reach) {
         greatest = x.abs().simd_gt(greatest).select(x.abs(), greatest);
     }
     greatest
