@@ -79,9 +79,16 @@ export const EXPLANATIONS: Record<string, Explanation> = {
   },
   'solver.jointed': {
     title: 'Substeps and sweeps of joints',
-    idea: 'Ball joints that touch something or hang in loops are swept more often than the rest of the scene, hinges and the like in more substeps; free trees of joints are solved exactly and take fewer.',
+    idea: 'Ball joints that touch something are swept more often than the rest of the scene, hinges and the like in more substeps; free trees of joints are solved exactly and take fewer.',
     without: 'Ragdolls come apart a little when they fall onto each other.',
     file: 'solver/plan.rs',
+  },
+  'solver.over_relaxation': {
+    title: 'Over-relaxation',
+    idea: 'Neighbours take back part of what a joint asked for, so it asks again and again. In the sweep after the motion each joint of a net steps ω times as far.',
+    equation: 'Δλ = −ω K⁻¹(J u + bias)',
+    without: 'Nets open by a third more, or need another sweep.',
+    file: 'solver/over_relaxation.rs',
   },
   'solver.slop': {
     title: 'Slop',
@@ -99,7 +106,7 @@ export const EXPLANATIONS: Record<string, Explanation> = {
   },
   'solver.joint_recovery': {
     title: 'Joint recovery',
-    idea: 'The same for anchors that came apart and axes that bent, but in heaps the bodies are moved: no speed of it stays with them.',
+    idea: 'The same for anchors that came apart and axes that bent, but in heaps and nets the bodies are moved, once a step: no speed of it stays with them.',
     equation: 'v = k · θ_err / Δt',
     without: 'Chains grow longer and never shrink back.',
     file: 'solver/joint_recovery.rs',

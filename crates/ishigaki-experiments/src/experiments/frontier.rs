@@ -27,13 +27,14 @@ const fn family(name: &'static str, switch: fn(&mut SolverOptions), sweeps: &'st
     Family { name, switch, sweeps }
 }
 
-const FAMILIES: [Family; 7] = [
+const FAMILIES: [Family; 8] = [
     family("all techniques", |_| {}, &[(4, 1, 1), (1, 1, 1), (2, 1, 1), (3, 1, 1), (6, 1, 1), (8, 1, 1)]),
     family("sweeps alone", sweeps_alone, &[(4, 1, 1), (4, 2, 1), (8, 2, 1)]),
     family("all, 2 + 1 sweeps", |_| {}, &[(2, 2, 1), (4, 2, 1)]),
     family("no level correction", |s| s.level_correction.enabled = false, &[(4, 1, 1)]),
     family("no hand-down", |s| s.hand_down.enabled = false, &[(4, 1, 1)]),
     family("no joint trees", |s| s.joint_tree.enabled = false, &[(4, 1, 1)]),
+    family("no over-relaxation", |s| s.over_relaxation.enabled = false, &[(4, 1, 1)]),
     family("joints as all else", |s| s.jointed = Jointed::ALIKE, &[(4, 1, 1), (8, 1, 1)]),
 ];
 

@@ -25,6 +25,7 @@ mod level_correction;
 mod mass_integrals;
 mod momentum;
 mod orthonormalization;
+mod over_relaxation;
 mod penetration_recovery;
 mod permutation;
 mod pgs_two_body;
@@ -86,6 +87,7 @@ pub fn list() -> &'static [&'static Experiment] {
         &level_correction::EXPERIMENT,
         &hand_down::EXPERIMENT,
         &joint_tree::EXPERIMENT,
+        &over_relaxation::EXPERIMENT,
         &it_holds::EXPERIMENT,
         &frontier::EXPERIMENT,
     ]

@@ -15,7 +15,7 @@ pub struct SolverOptions {
     pub sweeps: u32,
     /// Sweeps in each substep after the bodies moved, without recovery: they take its speed out again.
     pub relax_sweeps: u32,
-    /// More sweeps or substeps where jointed bodies touch or hang in loops, fewer where they do neither.
+    /// More sweeps or substeps where jointed bodies touch or hang in loops, fewer substeps where they do neither.
     pub jointed: Jointed,
     /// Joints that are solved one by one step farther than each alone asks for.
     pub over_relaxation: OverRelaxation,

@@ -28,6 +28,7 @@ pub fn sweep(plan: &mut Plan, passes: u32) {
     }
 }
 
+// ANCHOR: over_relaxed
 /// The same with over-relaxation of the joints that are solved one by one: `over_relaxation.rs`.
 pub fn sweep_over_relaxed(plan: &mut Plan, passes: u32, factor: f32) {
     for k in 0..plan.units.len() {
@@ -42,6 +43,7 @@ pub fn sweep_over_relaxed(plan: &mut Plan, passes: u32, factor: f32) {
         }
     }
 }
+// ANCHOR_END: over_relaxed
 
 /// Visits the equality rows of joints alone, back and forth.
 pub fn revisit_joints(plan: &mut Plan) {
