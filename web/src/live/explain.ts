@@ -106,7 +106,7 @@ export const EXPLANATIONS: Record<string, Explanation> = {
   },
   'solver.joint_recovery': {
     title: 'Joint recovery',
-    idea: 'The same for anchors that came apart and axes that bent, but in heaps and nets the bodies are moved, once a step: no speed of it stays with them.',
+    idea: 'The same for anchors that came apart and axes that bent, but in heaps and nets the bodies are moved: no speed of it stays with them.',
     equation: 'v = k · θ_err / Δt',
     without: 'Chains grow longer and never shrink back.',
     file: 'solver/joint_recovery.rs',

@@ -184,8 +184,8 @@ impl Default for PenetrationRecovery {
     }
 }
 
-/// Take joint errors back: by `rate` of them per substep where they are solved exactly, TALK B9: k θ_err/Δt; where joints
-/// are solved one by one, by poses alone, `pose_rate` of them at the end of each step.
+/// Take joint errors back by `rate` of them per substep. TALK B9: k θ_err/Δt; where joints are solved one by one, in turn
+/// with contacts or in nets, by poses alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -194,13 +194,13 @@ pub struct JointRecovery {
     pub enabled: bool,
     /// k: the part of the error taken back in one substep, in [0, 1].
     pub rate: f32,
-    /// k of the recovery by poses: the part taken back in a step, in [0, 1].
-    pub pose_rate: f32,
+    /// k of nets that touch nothing: the part taken back at the end of each step, in [0, 1].
+    pub net_rate: f32,
 }
 
 impl Default for JointRecovery {
     fn default() -> Self {
-        Self { enabled: true, rate: 0.3, pose_rate: 0.6 }
+        Self { enabled: true, rate: 0.3, net_rate: 0.6 }
     }
 }
 
@@ -434,7 +434,7 @@ impl SolverOptions {
         fraction("penetration_recovery.rate", self.penetration_recovery.rate)?;
         not_negative("penetration_recovery.max_speed", self.penetration_recovery.max_speed)?;
         fraction("joint_recovery.rate", self.joint_recovery.rate)?;
-        fraction("joint_recovery.pose_rate", self.joint_recovery.pose_rate)?;
+        fraction("joint_recovery.net_rate", self.joint_recovery.net_rate)?;
         let factor = self.over_relaxation.factor;
         if !(1.0..2.0).contains(&factor) {
             return Err(Error::invalid(

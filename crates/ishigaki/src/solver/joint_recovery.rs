@@ -3,9 +3,9 @@
 //! The talk asks joint rows for the speed k C/h. Joints that touch nothing are solved at once, and the relax sweeps take
 //! all of that speed out again: so it is done for them, and angular momentum is kept to rounding. In turn with contacts, and
 //! in nets, few sweeps leave some of it; it stays in λ, the warm start hands it on, and heaps tremble for ever. There the
-//! rows are solved at the end of the step for velocities of their own, that start at zero: J v = −k C/h; the bodies move by
-//! h v, and v and its impulses are forgotten (split impulse, pseudo-velocities). Once a step: what is taken back in each
-//! substep by a fourth of that is as much, for four times the work.
+//! rows are solved after the motion for velocities of their own, that start at zero: J v = −k C/h; the bodies move by
+//! h v, and v and its impulses are forgotten (split impulse, pseudo-velocities). Nets that touch nothing do so at the end of
+//! the step alone: as much comes back for a fourth of the work. In heaps it does not; what lies under others creeps out.
 //!
 //! Bodies move along straight lines, arms along arcs: with a = ½h(ω×(ω×r) + ω̇×r) of both arms the error after the motion
 //! is C + h(J u + a). What recovers by poses has velocities along *chords*: J u = −a before the motion, so that poses stay

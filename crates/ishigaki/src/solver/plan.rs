@@ -42,6 +42,8 @@ pub struct Plan {
     pub sweeps: u32,
     /// Visits to the equality rows of joints alone after them, back and forth.
     pub joint_passes: u32,
+    /// Some bodies with joints are in contact.
+    pub joints_touch: bool,
     /// ω of joints in the sweeps after the motion.
     pub over_relaxation: f32,
     /// Relax sweeps in each.
@@ -158,6 +160,7 @@ impl World {
         let touches = |link: &Link| link.meets() && link.bodies.iter().any(|&b| plan.is_jointed[b as usize]);
         let touches = found.any && self.scratch.links.iter().any(touches);
         (plan.substeps, plan.sweeps, plan.relax_sweeps) = (solver.substeps, solver.sweeps, solver.relax_sweeps);
+        plan.joints_touch = touches;
         (plan.joint_passes, plan.over_relaxation) = (0, over_relaxation::factor(&solver.over_relaxation, touches));
         match (touches, found.loops) {
             _ if !found.any => {}
@@ -312,9 +315,14 @@ impl World {
         JointStep { h, recovery_rate: if recovery.enabled { recovery.rate } else { 0.0 } }
     }
 
-    /// The same for the recovery by poses, which takes errors of a whole step.
-    pub(crate) fn pose_step(&self, h: f32) -> JointStep {
-        JointStep { recovery_rate: self.options.solver.joint_recovery.pose_rate, ..self.joint_step(h) }
+    /// The same after the motion, for the recovery by poses.
+    pub(crate) fn pose_step(&self, plan: &Plan, h: f32) -> JointStep {
+        let step = self.joint_step(h);
+        if plan.joints_touch {
+            step
+        } else {
+            JointStep { recovery_rate: self.options.solver.joint_recovery.net_rate, ..step }
+        }
     }
 }
 

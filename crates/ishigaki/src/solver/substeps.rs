@@ -62,7 +62,7 @@ impl World {
             self.report.work += self.weigh_turned(plan);
             self.turn_joint_rows(plan, h);
             self.report.work += factor_joints(plan);
-            if substep + 1 == plan.substeps {
+            if plan.joints_touch || substep + 1 == plan.substeps {
                 self.recover_joints(plan, h);
             }
         }
@@ -133,7 +133,7 @@ impl World {
     /// about the whole substep, and see the inertia as it is now.
     fn turn_joint_rows(&mut self, plan: &mut Plan, h: f32) {
         self.collect_frames(plan, BodyState::frame);
-        self.for_joint_rows(plan, self.pose_step(h), |row, spec| {
+        self.for_joint_rows(plan, self.pose_step(plan, h), |row, spec| {
             if spec.softness == 0.0 {
                 row.jacobian = spec.jacobian;
                 let recovery = if row.by_pose { spec.bias - spec.arc } else { spec.relax_bias };

@@ -186,13 +186,14 @@ impl World {
         }
     }
 
-    /// Rows of joints for the poses after the motion, and at the end of the step the recovery of their errors.
+    /// Rows of joints for the poses after the motion, and the recovery of their errors: of nets at the end of the step.
     fn aim_or_recover_joints(&self, machine: Machine<'_>, batch: &mut Batch, h: f32, is_last: bool) {
         let recovery = &self.options.solver.joint_recovery;
-        if !(is_last && recovery.enabled) {
+        if !recovery.enabled || (batch.is_clear && !is_last) {
             return batch.aim_joints(machine, h, None);
         }
-        batch.aim_joints(machine, h, Some(&JointPass::recovery(h, recovery.pose_rate)));
+        let rate = if batch.is_clear { recovery.net_rate } else { recovery.rate };
+        batch.aim_joints(machine, h, Some(&JointPass::recovery(h, rate)));
         batch.each(machine, |part| part.shift(machine.level, h));
         batch.outcome.work += batch.joints.work.recovery;
     }
