@@ -189,11 +189,13 @@ impl World {
     /// Rows of joints for the poses after the motion, and the recovery of their errors: of nets at the end of the step.
     fn aim_or_recover_joints(&self, machine: Machine<'_>, batch: &mut Batch, h: f32, is_last: bool) {
         let recovery = &self.options.solver.joint_recovery;
-        if !recovery.enabled || (batch.is_clear && !is_last) {
-            return batch.aim_joints(machine, h, None);
-        }
+        let recovers = recovery.enabled && (is_last || !batch.is_clear);
         let rate = if batch.is_clear { recovery.net_rate } else { recovery.rate };
-        batch.aim_joints(machine, h, Some(&JointPass::recovery(h, rate)));
+        let pass = JointPass::recovery(h, rate);
+        batch.aim_joints(machine, h, recovers.then_some(&pass));
+        if !recovers {
+            return;
+        }
         batch.each(machine, |part| part.shift(machine.level, h));
         batch.outcome.work += batch.joints.work.recovery;
     }
