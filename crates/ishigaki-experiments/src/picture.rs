@@ -17,8 +17,9 @@ const HEIGHT: f64 = 400.0;
 const ROW_HEIGHT: f64 = 30.0;
 /// Pixels of the PNG for one of the SVG: sharp on dense screens too.
 const PNG_SCALE: f32 = 1.5;
-/// Okabe and Ito's colors, told apart by everyone; yellow is too light for lines.
-const COLORS: [&str; 8] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#7f7f7f"];
+/// Okabe and Ito's colors, told apart by everyone; yellow is too light for lines. Then gray and brown.
+const COLORS: [&str; 9] =
+    ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#7f7f7f", "#8c4a1f"];
 /// Of lines that say what is expected.
 const LEVEL_COLOR: &str = "#666666";
 /// More points than this cannot be told apart in the width of a chart.
