@@ -20,7 +20,7 @@ use std::fmt;
 /// Snapshots begin with this.
 const MAGIC: &[u8; 8] = b"ISHIGAKI";
 /// Raised whenever the layout of the state changes.
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 /// Magic, version, checksum.
 const HEADER: usize = 16;
 
