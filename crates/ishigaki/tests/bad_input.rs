@@ -215,7 +215,7 @@ fn bad_edits_are_refused() {
 #[test]
 fn bad_options_are_refused_and_the_old_ones_stay() {
     type Edit = fn(&mut WorldOptions);
-    let cases: [(Edit, &str); 12] = [
+    let cases: [(Edit, &str); 14] = [
         (|o| o.gravity.y = NAN, "gravity: must be finite, is (0, NaN, 0)"),
         (|o| o.length_scale = 0.0, "length_scale: must be finite and > 0, is 0"),
         (|o| o.motion.max_speed = INF, "motion.max_speed: must be finite and > 0, is inf"),
@@ -225,6 +225,14 @@ fn bad_options_are_refused_and_the_old_ones_stay() {
         (|o| o.solver.penetration_recovery.rate = 1.5, "solver.penetration_recovery.rate: must be in [0, 1], is 1.5"),
         (|o| o.solver.warm_start.factor = NAN, "solver.warm_start.factor: must be in [0, 1], is NaN"),
         (|o| o.solver.slop.depth = -0.1, "solver.slop.depth: must be finite and ≥ 0, is -0.1"),
+        (
+            |o| o.solver.over_relaxation.factor = 2.0,
+            "solver.over_relaxation.factor: must be ≥ 1 and < 2 (from 2 on sweeps diverge), is 2",
+        ),
+        (
+            |o| o.solver.over_relaxation.factor = f32::NAN,
+            "solver.over_relaxation.factor: must be ≥ 1 and < 2 (from 2 on sweeps diverge), is NaN",
+        ),
         (
             |o| o.solver.weight_amplification.factor = 0.5,
             "solver.weight_amplification.factor: must be finite and ≥ 1 (the lower body counts as heavier), is 0.5",

@@ -194,7 +194,7 @@ pub struct JointRecovery {
     pub enabled: bool,
     /// k: the part of the error taken back in one substep, in [0, 1].
     pub rate: f32,
-    /// k of nets that touch nothing: the part taken back at the end of each step, in [0, 1].
+    /// k of joints that are solved one by one and touch nothing: the part taken back at the end of each step, in [0, 1].
     pub net_rate: f32,
 }
 

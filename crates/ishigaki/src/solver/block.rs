@@ -338,6 +338,23 @@ mod tests {
     }
 
     #[test]
+    fn a_step_of_omega_leaves_one_less_omega_of_the_error() {
+        for factor in [0.5, 1.0, 1.6, 1.9] {
+            let (mut bodies, mut rows) = (bob(), point(Vec3::new(0.6, -0.5, 0.4), &[Vec3::X, Vec3::Y, Vec3::Z]));
+            let before: Vec<f32> = rows.iter().map(|row| row.velocity(&bodies)).collect();
+            let mut blocks = Vec::new();
+            gather(0, &mut rows, &mut blocks);
+            blocks[0].weigh(&mut rows, &bodies);
+            blocks[0].factor(&rows);
+            blocks[0].step(factor, &mut rows, &mut bodies);
+            for (row, before) in rows.iter().zip(before) {
+                let left = row.velocity(&bodies);
+                assert!((left - (1.0 - factor) * before).abs() < 1e-4, "ω = {factor}: {before} to {left}");
+            }
+        }
+    }
+
+    #[test]
     fn a_row_that_says_nothing_new_is_left_out() {
         let (mut bodies, mut rows) = (bob(), point(Vec3::X, &[Vec3::X, Vec3::X, Vec3::Y]));
         solve_once(&mut rows, &mut bodies);

@@ -9,7 +9,7 @@
 //! step farther. What they leave in the velocities the next substep starts from, and one sweep before the motion then does
 //! what two did. Contacts push one way only and ends of ranges as well; joints in turn with them gain nothing, and are solved
 //! as they were.
-//! Option: `solver.over_relaxation`; shown by `ishigaki experiment over_relaxation`, proved by `tests/net.rs`.
+//! Option: `solver.over_relaxation`; shown by `ishigaki experiment over-relaxation`, proved by `tests/net.rs`.
 //! Source: Young 1954, Iterative methods for solving partial difference equations of elliptic type.
 
 use crate::options::OverRelaxation;
